@@ -8,7 +8,7 @@
 #option EDGES all one_of [all, geometry] // what the filter stops at: edges of geometry and of light, or of geometry alone
 
 struct Settings {
-    /// Which iteration this is: taps are 2^level pixels apart. [default: 0, max: 12]
+    /// Number of the iteration: taps are 2^level pixels apart. [default: 0, max: 12]
     level: u32,
     /// Difference of luminance, relative to the sum of both, at which a tap's weight has fallen to 1/e in iteration 0. It
     /// is halved with each iteration (§2.3), as noise is by then. More blurs shadows, less leaves noise. [default: 0.5, min: 0.01]

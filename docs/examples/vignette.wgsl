@@ -1,7 +1,7 @@
 // The picture, darker towards the corners.
 
 struct Settings {
-    /// How much darker the corners are. [default: 0.5, min: 0.0, max: 1.0]
+    /// Darkening of the corners. [default: 0.5, min: 0.0, max: 1.0]
     strength: f32,
     picture_size: vec2<u32>,
 }

@@ -1,6 +1,6 @@
 // Returns by short rays the light that the bound of virtual lights took away. [Kollig & Keller 2004]
 //
-// Of the light that a surface at distance d < b sends, lights bounded at b give the share d² / b², if they are many.
+// Many lights bounded at b give the share d² / b² of the light that a surface at distance d < b sends.
 // The rest comes along rays of length b over the cosine: π times the mean of (1 - d² / b²) times the radiance that
 // is reflected where they end.
 //

@@ -4,7 +4,7 @@
 
 #option MOTION false // Whether the G-buffer has the member `motion`, which takes one more draw over the frame. The scene is
     // assumed to stand still: only the camera moves.
-#option NORMALS half one_of [half, full] // What a normal is stored in. half: 8 bytes, to a thousandth. full: 16 bytes, to ten
+#option NORMALS half one_of [half, full] // The format of normals. half: 8 bytes, to a thousandth. full: 16 bytes, to ten
     // millionths; a glossy scene is drawn once more.
 #option GLOSSY false // whether the G-buffer has the member `specular`
 #option EMISSIVE false // whether the G-buffer has the member `emission`
@@ -89,7 +89,7 @@ fn view_emission(seen: Seen) -> @location(0) vec4<f32> {
 #endif
 
 #if MOTION
-/// Where each pixel's surface was in the frame before, minus where it is [px]. The scene is assumed to stand still.
+/// The position of each pixel's surface in the frame before, minus its position now [px]. The scene is assumed to stand still.
 @fragment
 fn view_motion(@builtin(position) at: vec4<f32>) -> @location(0) vec2<f32> {
     let pixel = vec2<u32>(at.xy);

@@ -6,7 +6,7 @@
 // it with other values of at most 1. view-samples.wgsl picks the samples; reflectance.wgsl and greatest.wgsl prepare importance by
 // reflectance.
 
-#option MEASURE contribution one_of [contribution, flux, reflectance] // How importance is defined. contribution: what the texel
+#option MEASURE contribution one_of [contribution, flux, reflectance] // The definition of importance. contribution: what the texel
     // contributes to samples of the view, without visibility (TCAS Eq. 1-2). flux: the luminance of the flux that it reflects,
     // independent of the camera (ISM §4). reflectance: how the surface reflects, and how it lies to samples of the view; at most
     // 1 (ACRSM Eq. 4.1-4.3).
@@ -106,7 +106,7 @@ var rsm_normal: texture_2d_array<f32>;
 #endif
 var rsm_flux: texture_2d_array<f32>;
 
-/// What a texel reflects [W]; 0 outside the map.
+/// The flux that a texel reflects [W]; 0 outside the map.
 fn flux_at(texel: vec2<u32>, layer: u32) -> vec3<f32> {
     // Outside the map, the load returns some texel or zero.
     let flux = textureLoad(rsm_flux, texel, layer, 0).rgb;

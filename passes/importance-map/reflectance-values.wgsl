@@ -1,4 +1,4 @@
-// What is stored of a texel until the greatest values of the map are known.
+// The values of a texel that are stored until the greatest of the map are known.
 
 struct ReflectanceValues {
     /// ρ_f of ACRSM Eq. 4.1, in any unit.

@@ -1,4 +1,4 @@
-// What a texel of a reflective shadow map reflects, and how samples of the view lie to it. [ACRSM §4.5, Eq. 4.1-4.2, 5.1-5.2]
+// Computes what a texel of a reflective shadow map reflects, and how samples of the view lie to it. [ACRSM §4.5, Eq. 4.1-4.2, 5.1-5.2]
 
 #option RSM_SPECULAR false // whether the reflective shadow map has the member `specular`
 
@@ -104,7 +104,7 @@ fn reflected(texel: vec3<u32>) -> f32 {
     return weight_of(sum);
 }
 
-/// What a texel reflects, and what its block has of the view.
+/// Stores what a texel reflects, and what its block has of the view.
 @compute @workgroup_size(16, 16)
 fn reflectance(@builtin(global_invocation_id) id: vec3<u32>) {
     let size = textureDimensions(rsm_position);

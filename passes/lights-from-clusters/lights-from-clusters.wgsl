@@ -7,8 +7,8 @@
 #output lights: VirtualLights(count: clusters.count) // A light per cluster, dark without texels.
 
 #option AREA true // Whether lights have the area of their clusters, by which `gather` bounds what is near; otherwise they are points.
-#option ENERGY texels one_of [texels, centre] // What the flux of a light comes from, before all are scaled to the flux of the map. texels: that of all its texels. centre: that of the texel at its centre, as many times as it has texels (ACRSM §4.7); where albedo is textured, a light then has the color of one place.
-#option PLACE mean one_of [mean, texel] // Where a light is. mean: at the mean of its texels (ACRSM §4.7), which lies within or before the surfaces where a cluster goes around an edge. texel: on a surface, at the texel that is nearest to the mean place in the map.
+#option ENERGY texels one_of [texels, centre] // The source of the flux of a light, before all are scaled to the flux of the map. texels: that of all its texels. centre: that of the texel at its centre, as many times as it has texels (ACRSM §4.7); where albedo is textured, a light then has the color of one place.
+#option PLACE mean one_of [mean, texel] // The position of a light. mean: at the mean of its texels (ACRSM §4.7), which lies within or before the surfaces where a cluster goes around an edge. texel: on a surface, at the texel that is nearest to the mean place in the map.
 
 #import "algorithms/sum-vec4.wgsl"
 #import "clustering.wgsl"
@@ -23,7 +23,7 @@ fn cluster_count() -> u32 {
     return min(clusters.header.count, arrayLength(&clusters.clusters));
 }
 
-/// What a light carries before it is scaled.
+/// The flux of a light before it is scaled.
 fn unscaled_flux(cluster: Cluster) -> vec3<f32> {
     if cluster.texels == 0u {
         return vec3(0.0);
@@ -47,7 +47,7 @@ fn reduce_store(result: vec4<f32>) {
     unscaled = result;
 }
 
-/// What a channel of all lights is scaled by; 0 where none of them has any of it.
+/// The scale of a channel of all lights; 0 where none of them has any of it.
 fn scale_of(whole: f32, of_lights: f32) -> f32 {
     if of_lights > 0.0 {
         return whole / of_lights;

@@ -2,9 +2,9 @@
 //
 // Each stands for the part of the surfaces that its density leaves it.
 
-#input points: SurfacePoints // Where the lights are.
-#input radiosity: Radiosity // What leaves the surface there.
-#input density: Density // How densely the points lie.
+#input points: SurfacePoints // The positions of the lights.
+#input radiosity: Radiosity // The radiosity there.
+#input density: Density // The density of the points.
 #output lights: VirtualLights(count: points.count) // A light for each point; dark where there is none.
 
 #import "algorithms/scaled.wgsl"

@@ -1,4 +1,4 @@
-// What is to be rendered of maps that are kept: how many of each layer, and where they are in the list.
+// The maps to render where maps are kept: their number in each layer, and their place in the list.
 
 struct LayerDraws {
     /// The draw that clears the maps of a layer: vertices, instances, first vertex, first instance.

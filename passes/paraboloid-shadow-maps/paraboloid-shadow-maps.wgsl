@@ -96,7 +96,7 @@ fn grown(box: Box, p: vec3<f32>, q: vec3<f32>) -> Box {
     return Box(min(box.low, min(start, end) - sagitta), max(box.high, max(start, end) + sagitta));
 }
 
-/// Where the segment between points on different sides of the light's plane meets it.
+/// The point where the segment between points on different sides of the light's plane meets it.
 fn at_horizon(p: vec3<f32>, q: vec3<f32>) -> vec3<f32> {
     return vec3(mix(p.xy, q.xy, p.z / (p.z - q.z)), 0.0);
 }

@@ -2,7 +2,7 @@
 //
 // DEVIATION(no-tessellator): WebGPU has none; each thread finds its triangle by binary search.
 
-#option RULE area one_of [area, tessellation] // How many points a triangle gets. area: in proportion to its area; the total is as
+#option RULE area one_of [area, tessellation] // The number of points of a triangle. area: in proportion to its area; the total is as
     // many as are requested. tessellation: as many as the vertices of a tessellator whose levels rise with edges and area (ACRSM
     // Eq. 5.3-5.4), so that small triangles get more than in proportion to their area; the total follows from the scene, and is
     // cut to the points that fit.

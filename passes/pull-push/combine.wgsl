@@ -1,4 +1,4 @@
-// How texels of two neighbouring levels are combined, with rejection of outliers. [ISM §3.2, after Marroquim et al. 2007]
+// Combines texels of two neighbouring levels, with rejection of outliers. [ISM §3.2, after Marroquim et al. 2007]
 
 #import "paraboloid.wgsl"
 #import "scene.wgsl"

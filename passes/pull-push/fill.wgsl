@@ -11,7 +11,7 @@ struct Settings {
     visibility_rows: u32,
     /// The first map of the dispatch; what is bound of maps and of pyramids begins with it.
     first_map: u32,
-    /// How many maps there are. The atlas has room for more, where nothing is.
+    /// The number of maps. The atlas has room for more, where nothing is.
     maps: u32,
     /// Side of a map at level 1 [px].
     coarse_side: u32,

@@ -1,7 +1,7 @@
 // Pull: one level of the pyramid from the finer one. [ISM §3.2]
 
 #option FINEST true internal // whether the finer level is the maps themselves
-#option PULL mean one_of [mean, median] // How the four finer texels of a coarse one are combined, holes left out. mean: their
+#option PULL mean one_of [mean, median] // The combination of the four finer texels of a coarse one, without holes. mean: their
     // mean if all are close to each other, otherwise a hole (ISM). median: their median, of two or four the mean of the middle
     // two if these are close (ACRSM): single outliers leave no hole.
 

@@ -5,9 +5,9 @@
 // All surfaces are diffuse (SMC-IR §3.1). The random numbers of a point come from its own seed alone: neither its index nor the
 // frame changes what it is.
 
-#input points: SurfacePoints // Where radiosity is wanted.
-#input past: Radiosity optional // What is known: `prev` of the output, reset by `Scene`, `Reload`, `Setting` and `Moved`.
-#output radiosity: Radiosity(count: points.count) // What leaves the surface at each point.
+#input points: SurfacePoints // The points whose radiosity is computed.
+#input past: Radiosity optional // The radiosity that is known: `prev` of the output, reset by `Scene`, `Reload`, `Setting` and `Moved`.
+#output radiosity: Radiosity(count: points.count) // The radiosity of each point.
 
 #option PAST false // whether there are radiosities of earlier frames
 #option ALBEDO mean one_of [mean, textured] // Reflectance of surfaces that paths meet. mean: textures are replaced by their
@@ -58,7 +58,7 @@ fn segments() -> u32 {
     return settings.bounces - 1u + EMITTED_SEGMENTS;
 }
 
-/// What the radiosity of a point follows from, while neither lights nor geometry move. No point has the key 0.
+/// The key of a point: its radiosity follows from it while neither lights nor geometry move. No point has the key 0.
 fn key_of(point: SurfacePoint) -> u32 {
     return max(hash2(hash2(point.seed, settings.paths), settings.bounces), 1u);
 }

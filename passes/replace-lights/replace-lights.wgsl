@@ -5,16 +5,16 @@
 // that no part of the slots gets all the strong lights. Intensities, radiosity over density (Eq. 6), are compared as whole
 // numbers of the same order.
 
-#input lights: SurfacePoints // Where the lights of the frame before are; marked are those to go first.
+#input lights: SurfacePoints // The lights of the frame before; marked are those to go first.
 #input mailboxes: SurfacePoints // For each light, a point in view that it reaches.
 #input intensities: VirtualLights // The lights of the frame before: `prev` of what is made of `replaced`.
-#input candidates: SurfacePoints // Where lights may come: as many as there are places for lights.
+#input candidates: SurfacePoints // The candidates for new lights: as many as there are slots.
 #input origins: SurfacePoints // For each candidate, the point in view that it was traced from.
 #input radiosity: Radiosity // Radiosity of the candidates.
 #input density: Density // Density of the lights around each candidate.
-#output replaced: SurfacePoints(count: candidates.count) // Where the lights are now; its header's `marked` counts the new ones.
+#output replaced: SurfacePoints(count: candidates.count) // The lights now; its header's `marked` counts the new ones.
 #output witnesses: SurfacePoints(count: candidates.count) // For each of them, a point that it reaches.
-#output progress: Progress // How many iterations there were before the first frame.
+#output progress: Progress // The number of iterations before the first frame.
 
 #import "algorithms/scaled.wgsl"
 #import "algorithms/workgroup.wgsl"
@@ -38,7 +38,7 @@ struct Settings {
     warm_up: u32,
 }
 
-/// What replaces what.
+/// The size of a replacement.
 struct Decision {
     /// Lights that give way.
     removed: u32,
@@ -62,7 +62,7 @@ var<storage, read_write> candidate_keys: array<u32>;
 var<storage, read_write> newcomers: array<u32>;
 /// The candidates that are chosen. [scratch, count: candidates.count]
 var<storage, read_write> chosen: array<u32>;
-/// How many lights give way, and how many candidates are chosen. [scratch]
+/// The numbers of lights that give way and of candidates that are chosen. [scratch]
 var<storage, read_write> decision: Decision;
 var<storage, read_write> replaced: SurfacePoints;
 var<storage, read_write> witnesses: SurfacePoints;
@@ -156,7 +156,7 @@ fn ranked(thread: u32, order: u32, rank: u32) -> Ranked {
     return Ranked(key, left);
 }
 
-/// How many keys of an order there are, and how many of them are below a bound. All threads call it.
+/// Counts the keys of an order, and those below a bound. All threads call it.
 fn counted(thread: u32, order: u32, bound: u32) -> vec2<u32> {
     var here = vec2(0u);
     for (var i = thread; i < settings.candidates_count; i += GROUP_SIZE) {

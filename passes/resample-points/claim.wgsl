@@ -10,7 +10,7 @@
 
 struct Settings {
     points_count: u32,
-    /// How many draws there are.
+    /// The number of draws.
     count: u32,
     round: u32,
     seed: u32,

@@ -9,7 +9,7 @@
 
 struct Settings {
     points_count: u32,
-    /// How many points are wanted.
+    /// The number of points to choose.
     count: u32,
     seed: u32,
 }

@@ -4,18 +4,18 @@
 // them, each by a method of its own.
 
 #input points: SurfacePoints // The points to choose from. Empty ones are not chosen.
-#input origins: SurfacePoints like points // Where each of them was traced from.
+#input origins: SurfacePoints like points // The points from which these were traced.
 #input density: Density optional like points // Density of each: its weight is divided by that.
 #input radiosity: Radiosity optional like points // Radiosity of each: its weight is multiplied by the luminance.
 #output resampled: SurfacePoints(count: settings.count) // Those chosen, in their order; the rest is empty.
-#output resampled_origins: SurfacePoints(count: settings.count) // Where each of those was traced from.
+#output resampled_origins: SurfacePoints(count: settings.count) // The points from which those were traced.
 #output resampled_density: Density(count: settings.count) cleared // Density of those chosen, for the method `systematic`; it
     // wants `density`.
-#output counters: Counters // How many were wanted, and how many were chosen.
+#output counters: Counters // The numbers of points requested and chosen.
 
 #option DENSITY false // whether points have a density
 #option RADIOSITY false // whether points have a radiosity
-#option METHOD systematic one_of [systematic, race, retries] // How points are chosen. systematic: the probability of a point is
+#option METHOD systematic one_of [systematic, race, retries] // The method of the choice. systematic: the probability of a point is
     // exactly in proportion to its weight, up to 1, and the number that falls on each run of points varies least. race: as by one
     // draw after the other. retries: as the paper does; some of the points may stay empty.
 #option BY_AREA true // Whether weights are divided by the density of the points, where that is linked. true: what is chosen is
@@ -55,9 +55,9 @@ var<storage, read_write> resampled_origins: SurfacePoints;
 var<storage, read_write> resampled_density: array<f32>;
 var<storage, read_write> counters: Counters;
 #if DENSITY && METHOD == systematic
-/// How many points there are. [scratch, cleared]
+/// The number of points. [scratch, cleared]
 var<storage, read_write> present: atomic<u32>;
-/// Which points are chosen. [scratch, count: settings.count]
+/// The chosen points. [scratch, count: settings.count]
 var<storage, read_write> indices: array<u32>;
 var<storage, read> threshold: Scaled;
 #endif

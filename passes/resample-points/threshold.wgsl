@@ -8,7 +8,7 @@
 
 struct Settings {
     points_count: u32,
-    /// How many points are wanted.
+    /// The number of points to choose.
     count: u32,
     /// 1 in the first step.
     first: u32,
@@ -21,7 +21,7 @@ var<storage, read_write> threshold: Scaled;
 struct Reduced {
     /// Sum of the weights below the threshold.
     below: Scaled,
-    /// How many weights are not 0, and how many of them are not below the threshold.
+    /// The numbers of weights that are not 0, and of those that are not below the threshold.
     weighted: u32,
     cut: u32,
 }

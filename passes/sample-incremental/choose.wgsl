@@ -26,7 +26,7 @@ var<storage, read_write> choice: Choice;
 /// Above the distance of every neighbour.
 const NONE_CROWDED: f32 = 1e38;
 
-/// How much farther from others a place has to be, in squares: by a tenth. Less would move lights for rounding's sake.
+/// The factor by which a place has to be farther from others, in squares: by a tenth. Less would move lights for rounding's sake.
 const FARTHER: f32 = 1.21;
 
 /// The number of slots.

@@ -70,7 +70,7 @@ fn beam_of(light: Light, place: vec3<f32>) -> Beam {
     return Beam(light.position, place);
 }
 
-/// What a source gives along the ray of a place, as a share of its intensity.
+/// The share of its intensity that a source gives along the ray of a place.
 fn shine_at(light: Light, place: vec3<f32>) -> f32 {
     var even = light;
     even.intensity = vec3(1.0);

@@ -17,7 +17,7 @@ var<storage, read_write> hole: Hole;
 
 alias Reduced = Hole;
 
-/// How empty it is around a probe; negative where nothing is to be placed. A crowded light does not count: it goes.
+/// The emptiness around a probe; negative where nothing is to be placed. A crowded light does not count: it goes.
 fn emptiness(index: u32, share: Share) -> f32 {
     if choice.mode == CHOICE_FILL && waiting[share.first] != NO_SLOT {
         return probes[index].distance * share.density;

@@ -1,4 +1,4 @@
-// Keeps virtual lights while their source lights them, and places a few anew where they are too far apart.
+// Keeps virtual lights while their source lights them, and places a few again where they are too far apart.
 // [ACRSM §3.2.3, Laine et al. 2007]
 //
 // This file has the first and the last step: it shares slots out among the sources, and asks which lights of the frame before
@@ -8,7 +8,7 @@
 #input past: SurfacePoints optional // `prev` of `points`: the lights of the frame before. Without it, all are placed in each
     // frame.
 #output lights: VirtualLights(count: settings.count) // A light for each slot; dark where it is on no surface.
-#output points: SurfacePoints(count: settings.count) // Where the lights are; marked and counted are those that are new in this
+#output points: SurfacePoints(count: settings.count) // The lights; marked and counted are those that are new in this
     // frame.
 
 #option ALBEDO mean one_of [mean, textured] // Reflectance of what lights lie on. mean: textures are replaced by their means.

@@ -1,4 +1,4 @@
-// What the steps of sample-incremental share: slots, which hold one light each; sites, which are where lights lie among the
+// Shared by the steps of sample-incremental: slots, which hold one light each; sites, which are where lights lie among the
 // directions of their source; probes, which are directions that sites share out among them. [Laine et al. 2007; ACRSM §3.2.3]
 
 const NO_SLOT: u32 = 0xffffffffu;
@@ -11,7 +11,7 @@ struct Share {
     /// The slots of this source: from `first` to before `end`.
     first: u32,
     end: u32,
-    /// What fluxes are multiplied by: 1, unless there are more sources than slots.
+    /// The factor of fluxes: 1, unless there are more sources than slots.
     weight: f32,
     /// Slots for each unit of the domain's area: a squared distance times this does not depend on the source.
     density: f32,
@@ -43,7 +43,7 @@ struct Probe {
     distance: f32,
 }
 
-/// What the cell of a site holds.
+/// The content of the cell of a site.
 struct Cell {
     probes: u32,
     /// Sum of what the source gives to its probes: see `shine_unit`.
@@ -67,7 +67,7 @@ const CHOICE_FILL: u32 = 1u;
 /// A crowded light goes to the emptiest place of its source.
 const CHOICE_CROWD: u32 = 2u;
 
-/// What is placed next.
+/// The next placement.
 struct Choice {
     /// CHOICE_…
     mode: u32,
@@ -88,7 +88,7 @@ struct Hole {
     probe: u32,
 }
 
-/// What a probe counts for that the source gives all of its intensity, so that no sum overflows.
+/// The count of a probe to which the source gives all of its intensity, so that no sum overflows.
 fn shine_unit(probes: u32) -> u32 {
     return min(0x10000u, 0xffffffffu / max(probes, 1u));
 }

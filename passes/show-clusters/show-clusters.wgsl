@@ -5,7 +5,7 @@
 
 #input map: ClusterMap // The cluster of each texel.
 #input clusters: Clusters // The clusters, averaged: where their centres are.
-#input rsm: ReflectiveShadowMap // What was clustered; its positions are the shadow maps.
+#input rsm: ReflectiveShadowMap // The map that was clustered; its positions are the shadow maps.
 #input view: GBuffer // The surfaces to show them on.
 #output display: Display(size: like(view)) // The cells in colors.
 
@@ -29,7 +29,7 @@ var<storage, read> clusters: Clusters;
 var rsm_position: texture_2d_array<f32>;
 var display: texture_storage_2d<rgba8unorm, write>;
 
-/// What no map reaches, and what belongs to no cluster.
+/// The color of surfaces that no map reaches, and of those that belong to no cluster.
 const OUTSIDE: vec3<f32> = vec3(0.1);
 const UNMAPPED: vec3<f32> = vec3(0.4);
 const DOT: vec3<f32> = vec3(0.0);
@@ -37,14 +37,14 @@ const DOT: vec3<f32> = vec3(0.0);
 /// Share of its brightness that a color has in shadow.
 const IN_SHADOW: f32 = 0.35;
 
-/// How far behind the surface in the map what is lit may lie, in sides of a texel, times 1 + its slope: a texel covers
+/// The distance behind the surface in the map at which a surface still counts as lit, in sides of a texel, times 1 + its slope: a texel covers
 /// half of its side around its centre.
 const BIAS: f32 = 1.0;
 
 /// Bound on the slope, as of what stands on edge.
 const STEEPEST: f32 = 8.0;
 
-/// Where a map sees a point.
+/// The texel in which a map sees a point.
 struct Place {
     layer: u32,
     texel: vec2<u32>,

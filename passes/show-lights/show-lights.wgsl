@@ -4,7 +4,7 @@
 
 #input lights: VirtualLights // The lights, whose places get a dot each.
 #input view: GBuffer // The surfaces to show them on.
-#input irradiance: Irradiance optional // What is shown under the dots in false colors; else gray.
+#input irradiance: Irradiance optional // The irradiance shown under the dots in false colors; else gray.
 #output display: Display(size: like(view)) // Dots over false colors.
 
 #option IRRADIANCE false // whether there is light to show under the dots

@@ -22,7 +22,7 @@
 #output counters: Counters // The numbers of splats that were requested and that were produced.
 
 // DEVIATION(surfel): the paper stores one distance.
-#option KERNEL surfel one_of [box, surfel] // What a splat stores. box: one distance (ISM §3.2). surfel: in each texel the
+#option KERNEL surfel one_of [box, surfel] // The depth that a splat stores. box: one distance (ISM §3.2). surfel: in each texel the
     // distance of the point's tangent plane, so that a surface shadows itself less; takes longer.
 
 #import "dispatch.wgsl"
@@ -127,7 +127,7 @@ fn splat(row: Row) {
     var at = vec2(0u);
     for (var i = 0u; i < size.x * size.y; i++) {
 #if KERNEL == surfel
-        // Where the texel's ray meets the tangent plane, limited for rays at grazing angles.
+        // The distance at which the texel's ray meets the tangent plane, limited for rays at grazing angles.
         let along = dot(normal, direction_from_paraboloid(texel_centre(low + at, tile)));
         let hit = select(distance, height / along, along * height > 0.0);
         let stored = clamp(hit, max(distance - reach, 0.0), distance + reach);

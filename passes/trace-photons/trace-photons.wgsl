@@ -42,7 +42,7 @@ struct Settings {
 var<uniform> settings: Settings;
 var<storage, read_write> lights: VirtualLights;
 
-/// Where a photon begins.
+/// The start of a photon.
 struct Emission {
     position: vec3<f32>,
     /// Unit.

@@ -2,10 +2,10 @@
 //
 // Line 5 of the algorithm.
 
-#input points: SurfacePoints // Where rays begin.
-#output traced: SurfacePoints(count: points.count) // Where they end; empty where a ray meets nothing, and where none begins.
+#input points: SurfacePoints // The origins of the rays.
+#output traced: SurfacePoints(count: points.count) // Their ends; empty where a ray meets nothing, and where none begins.
 
-#option DIRECTIONS cosine one_of [cosine, uniform] // How the directions of rays are distributed over the hemisphere about the
+#option DIRECTIONS cosine one_of [cosine, uniform] // The distribution of directions of rays over the hemisphere about the
     // normal. cosine: in proportion to the cosine with it, as light counts. uniform: every solid angle alike, which finds more of
     // what is seen at grazing angles.
 

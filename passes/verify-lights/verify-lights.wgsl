@@ -5,7 +5,7 @@
 // in whatever order they come.
 
 #input points: SurfacePoints // Points that the camera sees.
-#input lights: SurfacePoints // Where the lights of the frame before are.
+#input lights: SurfacePoints // The lights of the frame before.
 #input mailboxes: SurfacePoints // For each light, a point in view that it reached.
 #output verified: SurfacePoints(count: lights.count) // The lights where they are now; marked are those that reach nothing in
     // view, and counted.
@@ -44,7 +44,7 @@ struct Round {
     workgroups_x: u32,
     workgroups_y: u32,
     workgroups_z: u32,
-    /// How many lights are unseen.
+    /// The number of unseen lights.
     unseen: u32,
     /// The number of the round, from 1.
     number: u32,
@@ -56,7 +56,7 @@ var<storage, read> lights: SurfacePoints;
 var<storage, read> mailboxes: SurfacePoints;
 var<storage, read_write> verified: SurfacePoints;
 var<storage, read_write> witnesses: SurfacePoints;
-/// How each light stands: UNSEEN, SETTLED, or the index of the point that reached it. [scratch, count: lights.count]
+/// The state of each light: UNSEEN, SETTLED, or the index of the point that reached it. [scratch, count: lights.count]
 var<storage, read_write> claims: array<atomic<u32>>;
 /// The lights that are unseen. [scratch, count: lights.count]
 var<storage, read_write> unseen: array<u32>;

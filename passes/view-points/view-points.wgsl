@@ -36,7 +36,7 @@ var<storage, read> past: SurfacePoints;
 #endif
 var<storage, read_write> points: SurfacePoints;
 
-/// How many iterations there were before this one.
+/// The number of iterations before this one.
 fn iteration() -> u32 {
 #if PAST
     // A history buffer that holds nothing yet has no points.

@@ -5,11 +5,11 @@
 
 #input points: SurfacePoints // The points that have a density.
 #input samples: SurfacePoints // Samples of the surfaces on which the points lie.
-#input sample_density: Density // How densely these lie.
+#input sample_density: Density // The density of the samples.
 #input owners: Owners // The point that is nearest to each of them.
 #input past: Areas optional // `areas` of the frame before: with it, areas are averaged over frames.
 #output density: Density(count: points.count) // Density of each point; 0 where that is empty.
-#output areas: Areas(count: points.count) // What each point stands for, for the next frame.
+#output areas: Areas(count: points.count) // The area of each point, for the next frame.
 
 #option PAST false // whether there are areas of the frame before
 
@@ -27,7 +27,7 @@ struct Settings {
     frames: u32,
 }
 
-/// How many points and samples there are, without those that are empty.
+/// The numbers of points and samples that are not empty.
 struct Present {
     points: u32,
     samples: u32,
@@ -43,7 +43,7 @@ var<storage, read> owners: array<u32>;
 #if PAST
 var<storage, read> past: PointAreas;
 #endif
-/// How many there are. [scratch]
+/// Their numbers. [scratch]
 var<storage, read_write> present: Present;
 /// Area of each point in 2⁻¹⁶ of the scene's: whole, and the fraction in 2⁻³². [scratch, count: points.count, cleared]
 var<storage, read_write> sums: array<array<atomic<u32>, 2>>;

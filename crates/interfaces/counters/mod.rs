@@ -1,4 +1,4 @@
-//! How much a pass was requested to produce, and how much it produced.
+//! The amounts that a pass was requested to produce, and that it produced.
 
 use pass::{Content, Figure, Interface, Member, OutputDesc, PassTypeError, Struct, UseContext};
 

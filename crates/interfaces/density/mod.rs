@@ -1,4 +1,4 @@
-//! How densely points lie on surfaces.
+//! The density of points on surfaces.
 
 use pass::{Content, Fact, Interface, Member, OutputDesc, ResourceDesc};
 

@@ -1,6 +1,6 @@
 // The interface Stands: where virtual lights stood when their shadow maps were rendered. [SMC-IR §4, Laine et al. 2007]
 
-/// Where a virtual light stood when its shadow map was rendered.
+/// The pose of a virtual light when its shadow map was rendered.
 struct Stand {
     /// Position in world space [m].
     position: vec3<f32>,

@@ -4,7 +4,7 @@ use super::{COLUMNS, ROWS, TILE};
 use pass::{Extent, Facts, Format, ResourceDesc, Value};
 use std::ops::Range;
 
-/// How square maps of one size are arranged in an atlas: row by row, layer after layer. `tile_origin` of
+/// The arrangement of square maps of one size in an atlas: row by row, layer after layer. `tile_origin` of
 /// `shaders/paraboloid.wgsl` finds a map by the facts `tile`, `columns` and `rows`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct AtlasLayout {

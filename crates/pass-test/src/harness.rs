@@ -412,7 +412,7 @@ impl<'a> Harness<'a> {
     }
 }
 
-/// What `out:` says, as RON.
+/// Writes an `out:` declaration as RON.
 fn out(said: &OutputOverride) -> String {
     let mut fields = Vec::new();
     if let Some(interface) = &said.interface {

@@ -19,6 +19,7 @@ use executor::{Executor, Gpu};
 use frame_graph::plan::{Plan, PlannedPass, ResourceId};
 use frame_graph::port::OutputOverride;
 use frame_graph::{InputPort, ResourceDesc, Settings, Source, Value};
+use glam::DVec3;
 use half::f16;
 use interfaces::INTERFACES;
 use interfaces::virtual_lights::{self, VirtualLight};
@@ -71,6 +72,12 @@ pub type Member<'a> = (&'a str, ResourceDesc, Vec<u8>);
 /// Returns the member of an input that is one buffer with these elements.
 pub fn elements<T: NoUninit>(elements: &[T]) -> Vec<Member<'static>> {
     vec![member("", buffer(size_of_val(elements) as u64), elements)]
+}
+
+/// Returns a virtual light of 1 W.
+pub fn light_at(position: DVec3, normal: DVec3) -> VirtualLight {
+    let [position, normal] = [position, normal].map(|v| v.as_vec3().to_array());
+    VirtualLight { position, normal, flux: [1.0; 3], ..VirtualLight::default() }
 }
 
 /// Returns a texel of a format of half floats.

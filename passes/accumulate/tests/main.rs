@@ -6,7 +6,7 @@ use pass_test::{Harness, Outputs, member};
 
 const PIXELS: [[f32; 4]; 3] = [[1.0, 2.0, 3.0, 1.0], [0.0; 4], [1e30, 4.0, 0.5, 1.0]];
 
-/// What the pass makes of the same picture in each of `count` frames.
+/// Runs the pass with the same picture in each of `count` frames.
 fn after(count: u32, frames: u32, past: bool) -> Option<Outputs> {
     let picture = ResourceDesc::texture_2d(Format::Rgba32Float, (3, 1));
     let harness = Harness::new(accumulate::PASS).set("frames", frames).frames(count).input(

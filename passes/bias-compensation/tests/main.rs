@@ -1,4 +1,4 @@
-//! What short rays return, against closed forms over a lit plane.
+//! The results of short rays, against closed forms over a lit plane.
 
 use glam::{Vec3, vec3};
 use pass_test::Harness;

@@ -1,4 +1,4 @@
-// What entry points hand to each other: sums of groups in a buffer of their own, and a picture that another reads.
+// Entry points hand results to each other: sums of groups in a buffer of their own, and a picture that another reads.
 
 #import "dispatch.wgsl"
 

@@ -1,4 +1,4 @@
-//! What the pass type reads from a shader. What it shares with `fullscreen` is tested there.
+//! The pass type reads declarations from a shader. Those that it shares with `fullscreen` are tested there.
 
 mod a_trous;
 mod gpu;
@@ -38,7 +38,7 @@ fn dispatches(case: &ShaderUse<'_>, outputs: &[OutputDesc], set: &[(&str, Value)
     case.record(&ports, set, &Traits::default()).unwrap().steps.into_iter().map(dispatch).collect()
 }
 
-/// How many threads its only dispatch asks for, with these outputs.
+/// Returns the threads of its only dispatch, with these outputs.
 fn threads(case: &ShaderUse<'_>, outputs: &[OutputDesc]) -> Threads {
     let steps = dispatches(case, outputs, &[]);
     assert_eq!(steps.len(), 1);
@@ -285,7 +285,11 @@ fn attributes_that_mean_nothing_are_told_where_they_stand() {
             "reads `squares`, which the shader does not write | did you mean `square`?",
         ),
         ("[reads: square]", "[scratch]", "`squared` is scratch, but the shader does not write it"),
-        ("[reads: square]", "[threads: 4]", "`threads` and `repeat` are of entry points"),
+        (
+            "[reads: square]",
+            "[threads: 4]",
+            "`threads`, `repeat`, `items` and `iterations` are of entry points",
+        ),
         ("/// Adds up, ", "/// [reads: sums] ", "there are two brackets of attributes"),
         (
             "textureStore(picture",

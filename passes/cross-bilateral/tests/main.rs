@@ -3,7 +3,7 @@
 use pass_test::Harness;
 use pass_test::view::{Light, SIDE, See, TOWARDS, assert_edges_stay};
 
-/// What the filter makes of a picture of 4×4 sub-images.
+/// Filters a picture of 4×4 sub-images.
 fn filtered(see: See<'_>, light: Light<'_>, radius: u32) -> Option<Vec<[f32; 4]>> {
     let harness = Harness::new(cross_bilateral::PASS).frame(SIDE, SIDE).set("radius", radius);
     Some(harness.view(see).irradiance((4, 4), light).run()?.read("filtered"))

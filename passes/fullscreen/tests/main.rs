@@ -1,4 +1,4 @@
-//! What the pass type reads from a shader, and what it says of a wrong one.
+//! The pass type reads declarations from a shader, and reports wrong ones.
 
 mod gpu;
 

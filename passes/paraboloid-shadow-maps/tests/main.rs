@@ -11,7 +11,7 @@ use interfaces::virtual_lights::VirtualLight;
 use interfaces::visibility::AtlasLayout;
 use paraboloid_shadow_maps::ParaboloidShadowMaps;
 use pass::{Format, ResourceDesc};
-use pass_test::{Harness, elements, member};
+use pass_test::{Harness, elements, light_at, member};
 use scene::{Scene, Vertex};
 use std::sync::Arc;
 
@@ -55,7 +55,8 @@ fn render_in_layers(
     tile: u32,
     side: u32,
 ) -> Option<(Vec<Vec<f64>>, u32)> {
-    let given: Vec<VirtualLight> = lights.iter().copied().map(virtual_light).collect();
+    let given: Vec<VirtualLight> =
+        lights.iter().map(|(position, normal)| light_at(*position, *normal)).collect();
     let pass = ParaboloidShadowMaps { side };
     let outputs = Harness::new(&pass).with_scene(scene).set("map", tile).lights(&given).run()?;
     let atlas: Vec<f32> = outputs.read("visibility.atlas");
@@ -220,16 +221,7 @@ fn maps_are_the_same_in_one_layer_and_in_several() {
     }
 }
 
-fn virtual_light((position, normal): (DVec3, DVec3)) -> VirtualLight {
-    VirtualLight {
-        position: position.as_vec3().to_array(),
-        normal: normal.as_vec3().to_array(),
-        flux: [1.0; 3],
-        ..VirtualLight::default()
-    }
-}
-
-/// What the pass leaves: the atlas and where its lights stand.
+/// The results of the pass: the atlas and where its lights stand.
 type Left = (Vec<f32>, Vec<Stand>);
 
 /// The maps where those of another frame are there: none with an age of 0.
@@ -258,15 +250,14 @@ fn render_after(
     Some((outputs.read("visibility.atlas"), outputs.read("stands")))
 }
 
-/// Of two frames, the second renders the maps of lights that moved, to the bit as if there had been no other, and leaves
+/// The second of two frames renders the maps of lights that moved, to the bit as if there had been no other, and leaves
 /// every other texel as it is.
 #[test]
 fn maps_of_lights_that_stay_are_kept() {
     let seed = &mut 23;
     let scene = scene_of(&triangles(40, seed));
     for (tile, side, count) in [(16, 8192, 7), (16, 47, 7), (8, 16, 300)] {
-        let before: Vec<_> =
-            (0..count).map(|_| virtual_light((vector(seed), vector(seed).normalize()))).collect();
+        let before: Vec<_> = (0..count).map(|_| light_at(vector(seed), vector(seed).normalize())).collect();
         let mut after = before.clone();
         for index in [1, 4, 5] {
             after[index].position[index % 3] += 0.25;
@@ -280,7 +271,7 @@ fn maps_of_lights_that_stay_are_kept() {
         let Some(first) = with(&before, &nothing, 1) else { return };
         let fresh = with(&after, &nothing, 0).expect("the adapter is still there");
         assert!(first.1.iter().zip(&before).all(|(stand, light)| stand.position == light.position));
-        // What is kept can be told from what is rendered.
+        // Kept texels differ from rendered ones.
         let marked = (first.0.iter().map(|distance| -distance).collect(), first.1.clone());
         let second = with(&after, &marked, 1).expect("the adapter is still there");
         assert_eq!(second.1, fresh.1);
@@ -303,7 +294,7 @@ fn maps_of_lights_that_stay_are_kept() {
 
 #[test]
 fn one_link_of_two_is_refused() {
-    let lights = [virtual_light((DVec3::ZERO, DVec3::Y))];
+    let lights = [light_at(DVec3::ZERO, DVec3::Y)];
     let pass = ParaboloidShadowMaps { side: 8192 };
     let harness = Harness::new(&pass).scene("plane").set("map", 8u32).lights(&lights);
     let harness = harness.past("rendered", "Stands", 1, elements(&[0_u32; 8])).fact("count", 1u32);

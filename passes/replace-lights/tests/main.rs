@@ -15,7 +15,7 @@ fn every_variant_is_valid() {
     pass_test::assert_shaders_are_valid(PASS);
 }
 
-/// What the pass gets: slots and candidates, each of which may be empty.
+/// The inputs of the pass: slots and candidates, each of which may be empty.
 #[derive(Clone, Debug)]
 struct Case {
     lights: Vec<Option<Light>>,
@@ -23,7 +23,7 @@ struct Case {
     moved: u32,
 }
 
-/// A point that is told by its seed.
+/// A point that is known by its seed.
 fn point(seed: u32, mark: u32) -> SurfacePoint {
     SurfacePoint { position: [seed as f32; 3], triangle: seed % 7, seed, mark, ..SurfacePoint::NONE }
 }
@@ -156,7 +156,7 @@ fn where_nothing_is_seen_lights_stay() {
     assert_eq!(case.check(), Some(16));
 }
 
-/// What is no number, or infinite, neither stops the frame nor is chosen before what is finite and strong.
+/// Intensities that are NaN or infinite neither stop the frame nor are chosen before finite and strong ones.
 #[test]
 fn intensities_that_are_no_numbers_count_as_none() {
     let mut case = random(64, 4, [0, 0, 0], 4);

@@ -1,4 +1,4 @@
-//! Which points are chosen, and how often.
+//! The choice of points, and its frequencies.
 
 mod cpu_reference;
 
@@ -11,7 +11,7 @@ use std::collections::HashSet;
 
 const METHODS: [&str; 3] = ["systematic", "race", "retries"];
 
-/// What was chosen.
+/// The chosen points.
 struct Chosen {
     /// Marks of the points: their indices.
     indices: Vec<u32>,

@@ -74,7 +74,7 @@ fn a_light_is_looked_up_in_the_map_of_its_owner() {
     assert!((0..CLUSTERS).all(|cluster| (0..LIGHTS).any(|light| owner(light) == cluster)));
 }
 
-/// What the pass makes of maps with such members and such a module.
+/// Describes the outputs of the pass for maps with such members and such a module.
 fn outputs(members: &[&str], module: Option<Module>) -> Result<Vec<OutputDesc>, PassTypeError> {
     let facts = [("tile", 8.into()), ("depth_bias", 0.5.into())];
     let maps = pass_test::maps(members, &pass_test::buffer(16), &facts, module);

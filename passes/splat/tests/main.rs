@@ -10,7 +10,7 @@ use gpu_algorithms::reference::paraboloid::{
 };
 use interfaces::virtual_lights::VirtualLight;
 use pass::LARGEST_WINDOW;
-use pass_test::{Harness, elements};
+use pass_test::{Harness, elements, light_at};
 use splat::points_of_map;
 use std::f64::consts::PI;
 
@@ -166,13 +166,7 @@ fn the_gpu_agrees_with_the_cpu_reference() {
     for (tile, per_map, max_splat) in [(1, 400, 8.0), (3, 400, 2.0), (64, 700, 8.0), (33, 900, 64.0)] {
         let points: Vec<[f32; 8]> =
             cloud.iter().map(|(p, n)| [p.x, p.y, p.z, 0.0, n.x, n.y, n.z, 0.0].map(|x| x as f32)).collect();
-        let given = |(position, normal): &(DVec3, DVec3)| VirtualLight {
-            position: position.as_vec3().to_array(),
-            normal: normal.as_vec3().to_array(),
-            flux: [1.0; 3],
-            ..VirtualLight::default()
-        };
-        let given: Vec<VirtualLight> = lights.iter().map(given).collect();
+        let given = lights.map(|(position, normal)| light_at(position, normal));
         let outputs = Harness::new(splat::PASS)
             .scene("plane")
             .set("kernel", "box")
@@ -218,15 +212,8 @@ fn maps_that_are_bound_in_parts_are_splatted_as_in_one() {
         .map(|(p, n)| [p.x, p.y, p.z, 0.0, n.x, n.y, n.z, 0.0].map(|x| x as f32))
         .collect();
     let normals: Vec<DVec3> = sphere(130).collect();
-    let lights: Vec<VirtualLight> = (0..130)
-        .map(|i| normals[i * 37 % 130])
-        .map(|normal| VirtualLight {
-            position: (0.1 * normal).as_vec3().to_array(),
-            normal: normal.as_vec3().to_array(),
-            flux: [1.0; 3],
-            ..VirtualLight::default()
-        })
-        .collect();
+    let lights: Vec<VirtualLight> =
+        (0..130).map(|i| normals[i * 37 % 130]).map(|normal| light_at(0.1 * normal, normal)).collect();
     let splatted = |window| {
         let outputs = Harness::new(&splat::Splat { window })
             .scene("plane")
@@ -248,7 +235,7 @@ fn maps_that_are_bound_in_parts_are_splatted_as_in_one() {
 fn surfels_store_the_distance_of_their_plane() {
     // The plane z = 1 as one large splat: at each texel the distance along its ray, 1 / cos.
     let points = [[0.3f32, 0.1, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]];
-    let light = VirtualLight { normal: [0.0, 0.0, 1.0], flux: [1.0; 3], ..VirtualLight::default() };
+    let light = light_at(DVec3::ZERO, DVec3::Z);
     let outputs = Harness::new(splat::PASS)
         .scene("plane")
         .set("map", 32)
@@ -279,12 +266,7 @@ fn ten_points() -> [u32; 9] {
 
 #[test]
 fn what_is_made_of_what_is_asked_for_is_told() {
-    let light = VirtualLight {
-        position: [0.0, 0.0, 1.0],
-        normal: [0.0, 0.0, -1.0],
-        flux: [1.0; 3],
-        ..VirtualLight::default()
-    };
+    let light = light_at(DVec3::Z, DVec3::NEG_Z);
     // Of 700 a map, a budget of 7 leaves 3.
     for (per_map, budget, made) in [(3, 100, 6), (5, 100, 10), (700, 10_000, 10), (700, 7, 6)] {
         let outputs = Harness::new(splat::PASS)
@@ -303,7 +285,7 @@ fn what_is_made_of_what_is_asked_for_is_told() {
 
 #[test]
 fn without_triangles_the_maps_are_empty() {
-    let light = VirtualLight { normal: [0.0, 0.0, 1.0], flux: [1.0; 3], ..VirtualLight::default() };
+    let light = light_at(DVec3::ZERO, DVec3::Z);
     let outputs = Harness::new(splat::PASS)
         .set("map", 8)
         .input("points", "Points", &[("count", 0)], elements(&[0_u32; 8]))

@@ -103,7 +103,7 @@ fn areas_add_up() {
 }
 
 /// An area is the mean over the frames in which its point was there, of the last `frames` of them as a decaying one. A point
-/// of another seed begins anew.
+/// of another seed begins again.
 #[test]
 fn areas_are_means_over_frames() {
     let points: Vec<SurfacePoint> = (0..4).map(point).chain([SurfacePoint::NONE]).collect();

@@ -9,7 +9,7 @@ const WIDTH: u32 = 45;
 const HEIGHT: u32 = 31;
 const FOV: f64 = 0.8;
 
-/// What a pixel sees, in the precision of the textures.
+/// The surface that a pixel sees, in the precision of the textures.
 #[derive(Clone, Copy)]
 struct Pixel {
     depth: f32,
@@ -92,7 +92,7 @@ fn smooth_once(pixels: &[Pixel], level: u32, light_too: bool) -> Vec<[f64; 4]> {
     pixels.iter().enumerate().map(smooth).collect()
 }
 
-/// What the shader makes of it.
+/// Runs the shader on it.
 fn run(pixels: &[Pixel], level: u32, edges: &str) -> Option<Vec<[f32; 4]>> {
     let texture = |format| ResourceDesc::texture_2d(format, (WIDTH, HEIGHT));
     let bytes = |of: &dyn Fn(&Pixel) -> Vec<u8>| pixels.iter().flat_map(of).collect::<Vec<u8>>();

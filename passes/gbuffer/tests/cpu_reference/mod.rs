@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec2, DVec3, UVec2};
 
-/// How position and texture coordinates change from a pixel to its neighbours on the right and below.
+/// The change of position and texture coordinates from a pixel to its neighbours on the right and below.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Change {
     /// To the right \[m\].

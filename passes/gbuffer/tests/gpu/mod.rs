@@ -19,7 +19,7 @@ fn camera(scene: &Scene) -> Camera {
     }
 }
 
-/// What a ray through a pixel's centre meets first: distance along the axis, geometric normal on the camera's side,
+/// The surface that a ray through a pixel's centre meets first: distance along the axis, geometric normal on the camera's side,
 /// and material.
 fn trace(scene: &Scene, camera: &Camera, pixel: UVec2) -> Option<(f64, DVec3, usize)> {
     let ray = camera.view_ray(pixel.as_dvec2() + 0.5);

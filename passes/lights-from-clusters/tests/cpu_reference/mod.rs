@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use gpu_algorithms::reference::clustering::flux_of;
 use interfaces::clusters::Cluster;
 
-/// What the flux of a light comes from.
+/// The source of the flux of a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Energy {
     /// All texels.

@@ -1,4 +1,4 @@
-//! How many points a triangle has.
+//! The number of points of a triangle.
 
 use crate::cpu_reference::{
     ANY_NUMBER, WHOLE, Wanted, level, place, starts, tessellated_points, triangle_at, weights,

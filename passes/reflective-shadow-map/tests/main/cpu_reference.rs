@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3, UVec2};
 
-/// How a layer spreads the light.
+/// The distribution of light over a layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Layer {
     /// A spot: intensity 1 W/sr on its axis, cosines of the half angles of its cones.

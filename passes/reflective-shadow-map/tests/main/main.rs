@@ -12,7 +12,7 @@ fn every_variant_is_valid() {
     pass_test::assert_shaders_are_valid(reflective_shadow_map::PASS);
 }
 
-/// What a layer sends through all of its texels.
+/// Sums what a layer sends through all of its texels.
 fn sum(layer: Layer, size: u32, half_extent: DVec2) -> f64 {
     (0..size * size).map(|i| incident_flux(layer, uvec2(i % size, i / size), size, half_extent)).sum()
 }

@@ -1,4 +1,4 @@
-//! Which light is placed next, and where, against brute force.
+//! The light that is placed next, and its place, against brute force.
 
 use super::{Frame, Sampling, WAITING, lamp_at, point_at, room};
 use glam::{DVec3, Vec3};
@@ -13,7 +13,7 @@ fn crowd(at: DVec3, places: impl Iterator<Item = DVec3>) -> f64 {
     places.map(|place| place.distance(at)).fold(f64::INFINITY, f64::min)
 }
 
-/// Of lights that all are lit, the one that is nearest to another goes where it is farthest from all others.
+/// Where all lights are lit, the one that is nearest to another goes where it is farthest from all others.
 #[test]
 fn the_most_crowded_light_goes_to_the_emptiest_place() {
     let mut moves = 0;

@@ -37,7 +37,7 @@ fn without_light_or_surfaces_all_is_dark() {
     }
 }
 
-/// A source that is switched on gets lights, at most so many in a frame; one that is switched off leaves none.
+/// A source that is switched on gets lights, at most `moved` in a frame; one that is switched off leaves none.
 #[test]
 fn sources_are_switched_on_and_off() {
     let on = lamp_at([0.3, 0.0, 0.0]);

@@ -1,4 +1,4 @@
-//! What a frame keeps of the one before, and what it may replace.
+//! Lights that a frame keeps of the one before, and those that it may replace.
 
 use super::{Frame, Sampling, lamp_at, light, point_at, room};
 use glam::DVec3;

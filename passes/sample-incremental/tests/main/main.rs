@@ -28,7 +28,7 @@ struct Sampling {
     probes: u32,
 }
 
-/// What the pass wrote in a frame.
+/// The results of a frame.
 #[derive(Clone, Debug, PartialEq)]
 struct Frame {
     header: SurfacePointsHeader,

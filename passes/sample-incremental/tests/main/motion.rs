@@ -1,4 +1,4 @@
-//! Which lights are lost as sources and surfaces move, and how soon all are well placed again.
+//! Lights that are lost as sources and surfaces move, and the frames until all are well placed again.
 
 use super::{Frame, Sampling, lamp_at, light, lit, room};
 use glam::Vec3;
@@ -117,7 +117,7 @@ fn what_comes_into_the_open_gets_lights() {
     assert!(on_screen.abs_diff(lost) <= lost / 3, "{on_screen} lights where {lost} rays met nothing");
 }
 
-/// How much the areas of cells differ: their standard deviation over their mean.
+/// The relative spread of the areas of cells: their standard deviation over their mean.
 fn unevenness(frame: &Frame) -> f64 {
     let cells: Vec<f64> = frame.cells.iter().map(|cell| f64::from(cell[0])).collect();
     let mean = cells.iter().sum::<f64>() / cells.len() as f64;

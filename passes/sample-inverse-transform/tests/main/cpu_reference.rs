@@ -31,7 +31,7 @@ pub(crate) struct Texel {
 /// One stage of the search.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Choice {
-    /// Which entry.
+    /// Index of the entry.
     pub(crate) index: u32,
     /// Width of its interval over the total.
     pub(crate) probability: f64,

@@ -1,6 +1,6 @@
 //! `sample-metropolis.wgsl` and `proposal.wgsl` in double precision, which needs no scaling by powers of two.
 
-/// What normalises the importance f in a light's weight w / f (TCAS Eq. 3).
+/// The normalization of the importance f in a light's weight w / f (TCAS Eq. 3).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Weights {
     /// The mean of f over the proposals of the chain, the first sample included.

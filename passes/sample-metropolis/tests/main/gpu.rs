@@ -146,7 +146,7 @@ fn last_samples_follow_metropolis_hastings() {
     }
 }
 
-/// What this sampler is for: lights move only where they met what changed (TCAS §4.3).
+/// The purpose of this sampler: lights move only where they met what changed (TCAS §4.3).
 #[test]
 fn a_change_of_one_texel_moves_only_chains_that_met_it() {
     let settings = Run { count: 1024, steps: 5, weights: "local-mean", seed: 0 };

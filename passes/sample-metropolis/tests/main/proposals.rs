@@ -33,7 +33,7 @@ fn chains_share_no_proposal_and_leave_none_out() {
     }
 }
 
-/// What a chain is proposed at one step says nothing of what it is at another.
+/// Proposals to a chain at different steps are independent.
 #[test]
 fn steps_are_dealt_independently() {
     const COUNT: u32 = 1024;

@@ -123,7 +123,7 @@ fn one_texel_and_one_light() {
     assert!((carried - 1.0).abs() < 0.05, "{carried} of 1 W");
 }
 
-/// What a light of the scene sees in its layer of maps of 2×2 texels, in the texel at the upper right: position, flux and area.
+/// The surface that a light of the scene sees in its layer of maps of 2×2 texels, in the texel at the upper right: position, flux and area.
 struct Seen {
     layer: u32,
     position: Vec3,

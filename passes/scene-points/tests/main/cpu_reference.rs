@@ -15,7 +15,7 @@ pub(crate) struct Point {
     pub(crate) triangle: u32,
     /// Unit; zero where the triangle has no area.
     pub(crate) normal: DVec3,
-    /// Of the second and third vertex, times 65535.
+    /// Weights of the second and third vertex, times 65535.
     pub(crate) barycentric: [u32; 2],
 }
 

@@ -6,13 +6,13 @@ use glam::{DVec2, DVec3, UVec2};
 /// Share of its brightness that a color has in shadow.
 pub(crate) const IN_SHADOW: f64 = 0.35;
 
-/// How far behind the surface in the map what is lit may lie, in sides of a texel, times 1 + its slope.
+/// The distance behind the surface in the map at which a surface still counts as lit, in sides of a texel, times 1 + its slope.
 pub(crate) const BIAS: f64 = 1.0;
 
 /// Bound on the slope.
 pub(crate) const STEEPEST: f64 = 8.0;
 
-/// What of a map decides where it sees a point.
+/// The projection of a map, which decides where it sees a point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Projection {
     /// Texels of the layer.

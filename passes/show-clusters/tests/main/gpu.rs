@@ -40,7 +40,7 @@ fn in_layer(at: DVec3) -> DVec3 {
     dvec3(offset.dot(right), offset.dot(up), offset.y)
 }
 
-/// Where the centre of a texel meets the floor.
+/// The point where the ray of a texel's centre meets the floor.
 fn on_floor(texel: UVec2) -> DVec3 {
     let plane = ((texel.as_dvec2() + 0.5) / f64::from(MAP) * 2.0 - 1.0) * DVec2::new(0.7, -0.7);
     let [right, up] = axes();
