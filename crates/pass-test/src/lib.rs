@@ -189,6 +189,17 @@ pub fn assert_shaders_are_valid(pass: &dyn Pass) {
     }
 }
 
+/// Defines the test that every variant of the shaders of a pass is valid: see [`assert_shaders_are_valid`].
+#[macro_export]
+macro_rules! shaders_are_valid {
+    ($pass:expr) => {
+        #[test]
+        fn every_variant_of_the_shaders_is_valid() {
+            $crate::assert_shaders_are_valid($pass);
+        }
+    };
+}
+
 struct SceneFolder;
 
 impl frame_graph::Files for SceneFolder {

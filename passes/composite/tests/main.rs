@@ -8,10 +8,7 @@ use std::f64::consts::PI;
 
 const CURVES: [&str; 5] = ["reinhard", "reinhard-simple", "aces", "filmic", "none"];
 
-#[test]
-fn every_variant_is_valid() {
-    pass_test::assert_shaders_are_valid(composite::PASS);
-}
+pass_test::shaders_are_valid!(composite::PASS);
 
 #[test]
 fn a_white_surface_in_irradiance_pi_has_radiance_one() {

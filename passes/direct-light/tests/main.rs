@@ -7,10 +7,7 @@ use cpu_reference::{Map, ggx};
 use glam::{DVec2, DVec3, dvec2, dvec3};
 use std::f64::consts::PI;
 
-#[test]
-fn every_variant_is_valid() {
-    pass_test::assert_shaders_are_valid(direct_light::PASS);
-}
+pass_test::shaders_are_valid!(direct_light::PASS);
 
 const TOWARDS: DVec3 = DVec3::Z;
 

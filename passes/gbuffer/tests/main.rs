@@ -6,10 +6,7 @@ mod gpu;
 use cpu_reference::{Camera, Change, bent_normal, shading_normal};
 use glam::{DMat2, DMat3, DVec2, DVec3, dvec2, dvec3, uvec2};
 
-#[test]
-fn every_variant_is_valid() {
-    pass_test::assert_shaders_are_valid(gbuffer::PASS);
-}
+pass_test::shaders_are_valid!(gbuffer::PASS);
 
 /// Numbers in -1..1, the same in every run.
 struct Numbers(u64);

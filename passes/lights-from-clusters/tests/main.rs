@@ -11,10 +11,7 @@ use pass::Value;
 use pass_test::Harness;
 use pass_test::random::{hash2, unit_float};
 
-#[test]
-fn every_variant_of_the_shader_is_valid() {
-    pass_test::assert_shaders_are_valid(PASS);
-}
+pass_test::shaders_are_valid!(PASS);
 
 fn vector(element: u32, dimension: u32) -> Vec3 {
     Vec3::from([0, 1, 2].map(|c| unit_float(hash2(element, 3 * dimension + c)) as f32))

@@ -5,10 +5,7 @@ use interfaces::surface_points::SurfacePoint;
 use lights_from_points::PASS;
 use pass_test::{Harness, elements};
 
-#[test]
-fn every_variant_is_valid() {
-    pass_test::assert_shaders_are_valid(PASS);
-}
+pass_test::shaders_are_valid!(PASS);
 
 fn lights(
     points: &[SurfacePoint],

@@ -9,10 +9,7 @@ use radiosity::PASS;
 use scene::Scene;
 use std::f64::consts::PI;
 
-#[test]
-fn every_variant_is_valid() {
-    pass_test::assert_shaders_are_valid(PASS);
-}
+pass_test::shaders_are_valid!(PASS);
 
 /// The pass over these points.
 fn harness<'a>(scene: &Scene, points: &[SurfacePoint]) -> Harness<'a> {

@@ -10,10 +10,7 @@ use pass_test::random::hash;
 use pass_test::{Harness, Outputs, elements};
 use replace_lights::PASS;
 
-#[test]
-fn every_variant_is_valid() {
-    pass_test::assert_shaders_are_valid(PASS);
-}
+pass_test::shaders_are_valid!(PASS);
 
 /// The inputs of the pass: slots and candidates, each of which may be empty.
 #[derive(Clone, Debug)]

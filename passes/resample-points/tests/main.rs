@@ -76,10 +76,7 @@ fn run(harness: Harness<'_>, given: &[SurfacePoint]) -> Option<Chosen> {
     Some(Chosen { indices, count: chosen.len(), counters })
 }
 
-#[test]
-fn every_variant_of_the_shaders_is_valid() {
-    pass_test::assert_shaders_are_valid(PASS);
-}
+pass_test::shaders_are_valid!(PASS);
 
 #[test]
 fn as_many_are_chosen_as_are_wanted() {

@@ -14,10 +14,7 @@ const GREY: [u8; 4] = [51, 51, 51, 255];
 const WHITE: [u8; 4] = [255, 255, 255, 255];
 const BLACK: [u8; 4] = [0, 0, 0, 255];
 
-#[test]
-fn every_variant_is_valid() {
-    pass_test::assert_shaders_are_valid(PASS);
-}
+pass_test::shaders_are_valid!(PASS);
 
 fn light(position: Vec3, flux: f32) -> VirtualLight {
     VirtualLight { position: position.to_array(), flux: [flux; 3], ..VirtualLight::default() }

@@ -8,10 +8,7 @@ use scene::{LightKind, Scene};
 use std::f64::consts::PI;
 use trace_photons::PASS;
 
-#[test]
-fn every_variant_is_valid() {
-    pass_test::assert_shaders_are_valid(PASS);
-}
+pass_test::shaders_are_valid!(PASS);
 
 fn lights(scene: &Scene, count: u32, bounces: u32) -> Option<Vec<VirtualLight>> {
     let harness = Harness::new(PASS).with_scene(scene.clone()).set("count", count).set("bounces", bounces);

@@ -45,10 +45,7 @@ fn all_over(scene: &Scene, count: u32) -> Vec<SurfacePoint> {
     (0..count).map(point).collect()
 }
 
-#[test]
-fn every_variant_of_the_shaders_is_valid() {
-    pass_test::assert_shaders_are_valid(PASS);
-}
+pass_test::shaders_are_valid!(PASS);
 
 #[test]
 fn rays_end_at_the_first_surface() {

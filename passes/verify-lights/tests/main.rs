@@ -12,10 +12,7 @@ use verify_lights::PASS;
 const WIDTH: u32 = 64;
 const HEIGHT: u32 = 48;
 
-#[test]
-fn every_variant_is_valid() {
-    pass_test::assert_shaders_are_valid(PASS);
-}
+pass_test::shaders_are_valid!(PASS);
 
 /// A scene, and what sees what in it.
 struct Room {

@@ -54,10 +54,7 @@ fn assert_seen(scene: &Scene, camera: &Camera, points: &[SurfacePoint]) {
     }
 }
 
-#[test]
-fn every_variant_of_the_shaders_is_valid() {
-    pass_test::assert_shaders_are_valid(PASS);
-}
+pass_test::shaders_are_valid!(PASS);
 
 #[test]
 fn the_camera_sees_every_point() {

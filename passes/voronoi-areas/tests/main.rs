@@ -53,10 +53,7 @@ fn areas(outputs: &Outputs, count: usize) -> Vec<PointArea> {
     outputs.read::<PointArea>("areas")[..count].to_vec()
 }
 
-#[test]
-fn every_variant_is_valid() {
-    pass_test::assert_shaders_are_valid(PASS);
-}
+pass_test::shaders_are_valid!(PASS);
 
 /// Samples of uniform density stand for the same area each, and a point for those that it has. N points of area A have the
 /// density 1 / (N A).

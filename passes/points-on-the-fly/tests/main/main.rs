@@ -8,7 +8,4 @@ mod probe;
 
 use points_on_the_fly::PASS;
 
-#[test]
-fn all_variants_of_the_shaders_are_valid() {
-    pass_test::assert_shaders_are_valid(PASS);
-}
+pass_test::shaders_are_valid!(PASS);

@@ -7,10 +7,7 @@ use crate::cpu_reference::{Layer, incident_flux, rectangle_solid_angle};
 use glam::{DVec2, dvec2, uvec2};
 use std::f64::consts::PI;
 
-#[test]
-fn every_variant_is_valid() {
-    pass_test::assert_shaders_are_valid(reflective_shadow_map::PASS);
-}
+pass_test::shaders_are_valid!(reflective_shadow_map::PASS);
 
 /// Sums what a layer sends through all of its texels.
 fn sum(layer: Layer, size: u32, half_extent: DVec2) -> f64 {

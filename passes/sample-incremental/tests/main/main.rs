@@ -15,10 +15,7 @@ use pass_test::{Harness, Outputs, elements};
 use sample_incremental::PASS;
 use scene::{Light, LightKind, Scene};
 
-#[test]
-fn every_variant_is_valid() {
-    pass_test::assert_shaders_are_valid(PASS);
-}
+pass_test::shaders_are_valid!(PASS);
 
 /// Settings of the pass.
 #[derive(Clone, Copy, Debug)]

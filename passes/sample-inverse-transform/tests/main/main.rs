@@ -7,7 +7,4 @@ mod gpu;
 
 use sample_inverse_transform::PASS;
 
-#[test]
-fn all_variants_of_the_shaders_are_valid() {
-    pass_test::assert_shaders_are_valid(PASS);
-}
+pass_test::shaders_are_valid!(PASS);

@@ -10,10 +10,7 @@ use pass::{Use, UseContext, Value};
 use sample_metropolis::PASS;
 use std::collections::BTreeMap;
 
-#[test]
-fn all_variants_of_the_shaders_are_valid() {
-    pass_test::assert_shaders_are_valid(PASS);
-}
+pass_test::shaders_are_valid!(PASS);
 
 #[test]
 fn chains_of_no_step_are_refused() {

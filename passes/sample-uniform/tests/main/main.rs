@@ -10,10 +10,7 @@ use scene::{Light, LightKind};
 
 const SIZE: (u32, u32) = (16, 10);
 
-#[test]
-fn all_variants_of_the_shaders_are_valid() {
-    pass_test::assert_shaders_are_valid(PASS);
-}
+pass_test::shaders_are_valid!(PASS);
 
 #[test]
 fn every_texel_is_drawn_alike() {

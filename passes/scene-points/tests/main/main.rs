@@ -6,7 +6,4 @@ mod gpu;
 
 use scene_points::PASS;
 
-#[test]
-fn all_variants_of_the_shaders_are_valid() {
-    pass_test::assert_shaders_are_valid(PASS);
-}
+pass_test::shaders_are_valid!(PASS);

@@ -7,10 +7,7 @@ use cpu_reference::color_of;
 use pass_test::random::hash;
 use show_clusters::PASS;
 
-#[test]
-fn the_shader_is_valid() {
-    pass_test::assert_shaders_are_valid(PASS);
-}
+pass_test::shaders_are_valid!(PASS);
 
 #[test]
 fn clusters_can_be_told_apart() {
