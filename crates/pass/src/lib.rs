@@ -202,6 +202,14 @@ impl Outputs<'_> {
     pub fn declared_with(&self, values: &[(&str, Value)]) -> Result<Vec<OutputDesc>, PassTypeError> {
         reflected::outputs_with(&self.use_cx, &self.main, self.cx, values)
     }
+
+    /// Describes scratch that is a buffer of a struct: see [`UseContext::buffer`].
+    ///
+    /// # Errors
+    /// As [`UseContext::buffer`].
+    pub fn scratch(&self, name: &str, structure: Struct, elements: u32) -> Result<OutputDesc, PassTypeError> {
+        Ok(OutputDesc::scratch(name, self.use_cx.buffer(structure, elements.into())?))
+    }
 }
 
 impl<'a> Deref for Outputs<'a> {

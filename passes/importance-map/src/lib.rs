@@ -62,8 +62,8 @@ fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         let texels = width * height * layers;
         outputs.extend([
             OutputDesc::scratch_u32("block_seen", width.div_ceil(side) * height.div_ceil(side) * layers),
-            OutputDesc::scratch("values", cx.use_cx.buffer(VALUES, u64::from(texels))?),
-            OutputDesc::scratch("greatest", cx.use_cx.buffer(GREATEST, 1)?),
+            cx.scratch("values", VALUES, texels)?,
+            cx.scratch("greatest", GREATEST, 1)?,
             reduce::scratch(&cx.use_cx, "blocks", texels, size_of::<f32>() as u64)?,
         ]);
     }

@@ -36,7 +36,7 @@ fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
     outputs.extend(scan::scratch(&cx.use_cx, "share_sums", triangles)?);
     if tessellates(cx.settings)? {
         let bytes = cx.use_cx.size_of(BOUNDS)?;
-        outputs.push(OutputDesc::scratch("bounds", cx.use_cx.buffer(BOUNDS, 1)?));
+        outputs.push(cx.scratch("bounds", BOUNDS, 1)?);
         outputs.push(reduce::scratch(&cx.use_cx, "bounds_blocks", triangles, bytes)?);
     }
     Ok(outputs)

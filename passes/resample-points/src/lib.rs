@@ -3,8 +3,8 @@
 use gpu_algorithms::{reduce, scan, segmented_scan, select};
 use interfaces::surface_points;
 use pass::{
-    Compute, OutputDesc, Outputs, PassTypeError, ReadSettings, RecordContext, Recording, ResourceDesc,
-    Settings, Struct, Threads,
+    Compute, OutputDesc, Outputs, PassTypeError, ReadSettings, RecordContext, Recording, Settings, Struct,
+    Threads,
 };
 
 pass::from_wgsl!(outputs, record);
@@ -43,31 +43,29 @@ impl Method {
 fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
     let mut outputs = cx.declared()?;
     let (points, method) = (cx.fact("points", surface_points::COUNT)?, Method::of(cx.settings)?);
-    let words = |name, count: u32| OutputDesc::scratch(name, ResourceDesc::buffer(4 * u64::from(count)));
-    let scaled = |name| Ok::<_, PassTypeError>(OutputDesc::scratch(name, cx.use_cx.buffer(SCALED, 1)?));
-    outputs.push(words("taken", points));
+    outputs.push(OutputDesc::scratch_u32("taken", points));
     outputs.extend(scan::scratch(&cx.use_cx, "places", method.candidates(points))?);
     match method {
         Method::Systematic => {
             let bytes = cx.use_cx.size_of(REDUCED)?;
             outputs.extend([
-                scaled("threshold")?,
+                cx.scratch("threshold", SCALED, 1)?,
                 reduce::scratch(&cx.use_cx, "threshold_blocks", points, bytes)?,
-                words("sums", 2 * points),
-                words("total", 1),
+                OutputDesc::scratch_u32("sums", 2 * points),
+                OutputDesc::scratch_u32("total", 1),
             ]);
             outputs.extend(scan::scratch(&cx.use_cx, "sums_of_blocks", points)?);
         }
         Method::Race => outputs.extend([
-            words("keys", points),
-            words("last_key", 1),
+            OutputDesc::scratch_u32("keys", points),
+            OutputDesc::scratch_u32("last_key", 1),
             select::scratch(&cx.use_cx, "selection")?,
         ]),
         Method::Retries => outputs.extend([
-            words("cumulated", points),
-            scaled("total")?,
-            words("claims", points),
-            words("found", cx.settings.u32("count")?),
+            OutputDesc::scratch_u32("cumulated", points),
+            cx.scratch("total", SCALED, 1)?,
+            OutputDesc::scratch_u32("claims", points),
+            OutputDesc::scratch_u32("found", cx.settings.u32("count")?),
         ]),
     }
     Ok(outputs)

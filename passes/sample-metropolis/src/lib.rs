@@ -30,7 +30,7 @@ fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
     outputs.push(OutputDesc::scratch_u32("proposed", chains * steps));
     if sums_all(cx.settings)? {
         outputs.push(reduce::scratch(&cx.use_cx, "sums", count * steps, cx.use_cx.size_of(SCALED)?)?);
-        outputs.push(OutputDesc::scratch("sum", cx.use_cx.buffer(SCALED, 1)?));
+        outputs.push(cx.scratch("sum", SCALED, 1)?);
     }
     Ok(outputs)
 }
