@@ -144,7 +144,8 @@ mod tests {
         let catalog = Catalog::new(Assets::new(None));
         for count in [5, 50] {
             let description = parse(Source::new("chain.ron", chain(count))).unwrap();
-            let context = LinkContext { frame: (8, 8), ..LinkContext::default() };
+            let traits = renderer::load_scene(&catalog, "empty").unwrap().traits();
+            let context = LinkContext { frame: (8, 8), traits };
             let (plan, ..) = plan(&catalog, &description, &context).unwrap();
             assert_eq!(plan.passes.len(), count as usize);
         }
