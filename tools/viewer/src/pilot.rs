@@ -2,6 +2,7 @@
 
 use crate::camera::between;
 use crate::engine::{Command, Engine};
+use eframe::egui::{Event, InputState, Key};
 use glam::Vec3;
 use scene::{Camera, Light};
 use std::time::{Duration, Instant};
@@ -9,11 +10,16 @@ use std::time::{Duration, Instant};
 /// The duration of a jump to a point.
 const FLIGHT: Duration = Duration::from_millis(350);
 
+/// The keys that fly: right and left, up and down, forward and back.
+const AXES: [(Key, Key); 3] = [(Key::D, Key::A), (Key::E, Key::Q), (Key::W, Key::S)];
+
 /// Who flies.
 #[derive(Debug, Default)]
 pub(crate) struct Pilot {
     camera: Option<Camera>,
     flight: Option<(Instant, Camera, Camera)>,
+    /// The keys that are held, apart from those that were pressed as a part of a shortcut.
+    held: Vec<Key>,
     /// The time that the user asked for and the engine does not show yet \[s\].
     pub(crate) time: Option<f32>,
     /// The lights as the user moved them.
@@ -24,6 +30,21 @@ impl Pilot {
     /// Returns the user's camera; `None` where the scene's own is shown.
     pub(crate) fn camera(&self) -> Option<Camera> {
         self.camera
+    }
+
+    /// Returns the directions in which the held keys fly, along [`AXES`]. Ctrl-Q moves nothing, also where Ctrl is released
+    /// before Q.
+    pub(crate) fn directions(&mut self, input: &InputState) -> Vec3 {
+        for event in &input.events {
+            let Event::Key { key, pressed, repeat: false, modifiers, .. } = event else { continue };
+            self.held.retain(|held| held != key);
+            if *pressed && !(modifiers.ctrl || modifiers.command) {
+                self.held.push(*key);
+            }
+        }
+        self.held.retain(|key| input.key_down(*key));
+        let is_held = |key| f32::from(u8::from(self.held.contains(&key)));
+        Vec3::from(AXES.map(|(up, down)| is_held(up) - is_held(down)))
     }
 
     /// Shows the scene from here.
@@ -79,5 +100,37 @@ impl Pilot {
     pub(crate) fn set_lights(&mut self, engine: &Engine, lights: Vec<Light>) {
         engine.send(Command::Lights(Some(lights.clone())));
         self.lights = Some(lights);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use eframe::egui::{Context, Modifiers, RawInput};
+
+    /// Returns the directions after each of some frames, in which a key goes down or up with modifiers.
+    fn flown(frames: &[(Key, bool, Modifiers)]) -> Vec<Vec3> {
+        let (context, mut pilot) = (Context::default(), Pilot::default());
+        let step = |&(key, pressed, modifiers)| {
+            let event = Event::Key { key, physical_key: None, pressed, repeat: false, modifiers };
+            let input = RawInput { events: vec![event], ..RawInput::default() };
+            let mut directions = Vec3::ZERO;
+            let mut output =
+                context.run_ui(input, |ui| directions = ui.input(|input| pilot.directions(input)));
+            output.textures_delta.clear();
+            directions
+        };
+        frames.iter().map(step).collect()
+    }
+
+    #[test]
+    fn held_keys_fly_but_those_of_shortcuts_do_not() {
+        let (plain, ctrl) = (Modifiers::NONE, Modifiers::CTRL);
+        let down = [(Key::Q, true, plain), (Key::D, true, plain), (Key::Q, false, plain)];
+        assert_eq!(flown(&down), [Vec3::NEG_Y, Vec3::new(1.0, -1.0, 0.0), Vec3::X]);
+        // Ctrl is released first: Q is still down in the frame in which another key goes up.
+        let shortcut =
+            [(Key::Q, true, ctrl), (Key::F1, false, plain), (Key::Q, false, plain), (Key::Q, true, plain)];
+        assert_eq!(flown(&shortcut), [Vec3::ZERO, Vec3::ZERO, Vec3::ZERO, Vec3::NEG_Y]);
     }
 }

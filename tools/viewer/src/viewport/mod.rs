@@ -337,7 +337,8 @@ fn pick(app: &App, origin: Vec3, direction: Vec3) -> Option<Vec3> {
     scene.pick(&scene.at(app.now.time), origin, direction).map(|hit| hit.position)
 }
 
-fn by_keys(app: &App, ui: &Ui, camera: Camera) -> Camera {
+fn by_keys(app: &mut App, ui: &Ui, camera: Camera) -> Camera {
+    let directions = ui.input(|input| app.pilot.directions(input));
     if ui.memory(|memory| memory.focused().is_some()) || app.asks() {
         return camera;
     }
@@ -345,11 +346,9 @@ fn by_keys(app: &App, ui: &Ui, camera: Camera) -> Camera {
         if input.modifiers.command || input.modifiers.ctrl {
             return Vec3::ZERO;
         }
-        let axis = |up: Key, down: Key| f32::from(input.key_down(up)) - f32::from(input.key_down(down));
-        let by = Vec3::new(axis(Key::D, Key::A), axis(Key::E, Key::Q), axis(Key::W, Key::S));
         let faster = if input.modifiers.shift { 4.0 } else { 1.0 };
         let slower = if input.modifiers.alt { 0.25 } else { 1.0 };
-        by * faster * slower * input.stable_dt.min(0.1)
+        directions * faster * slower * input.stable_dt.min(0.1)
     });
     if by == Vec3::ZERO {
         return camera;
