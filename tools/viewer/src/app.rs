@@ -267,6 +267,7 @@ impl App {
     }
 
     fn take_shortcuts(&mut self, context: &Context) {
+        context.input(|input| self.pilot.hold(input));
         // A widget that has the focus gets plain keys first.
         let typing = context.memory(|memory| memory.focused().is_some()) || self.asks();
         let entries = table();

@@ -32,9 +32,9 @@ impl Pilot {
         self.camera
     }
 
-    /// Returns the directions in which the held keys fly, along [`AXES`]. Ctrl-Q moves nothing, also where Ctrl is released
-    /// before Q.
-    pub(crate) fn directions(&mut self, input: &InputState) -> Vec3 {
+    /// Notes the keys that are held. It is called in every frame, since each event is seen in one. Ctrl-Q moves nothing,
+    /// also where Ctrl is released before Q.
+    pub(crate) fn hold(&mut self, input: &InputState) {
         for event in &input.events {
             let Event::Key { key, pressed, repeat: false, modifiers, .. } = event else { continue };
             self.held.retain(|held| held != key);
@@ -43,7 +43,11 @@ impl Pilot {
             }
         }
         self.held.retain(|key| input.key_down(*key));
-        let is_held = |key| f32::from(u8::from(self.held.contains(&key)));
+    }
+
+    /// Returns the directions in which the held keys fly, along [`AXES`].
+    pub(crate) fn directions(&self) -> Vec3 {
+        let is_held = |key| f32::from(self.held.contains(&key));
         Vec3::from(AXES.map(|(up, down)| is_held(up) - is_held(down)))
     }
 
@@ -114,11 +118,9 @@ mod tests {
         let step = |&(key, pressed, modifiers)| {
             let event = Event::Key { key, physical_key: None, pressed, repeat: false, modifiers };
             let input = RawInput { events: vec![event], ..RawInput::default() };
-            let mut directions = Vec3::ZERO;
-            let mut output =
-                context.run_ui(input, |ui| directions = ui.input(|input| pilot.directions(input)));
+            let mut output = context.run_ui(input, |ui| ui.input(|input| pilot.hold(input)));
             output.textures_delta.clear();
-            directions
+            pilot.directions()
         };
         frames.iter().map(step).collect()
     }

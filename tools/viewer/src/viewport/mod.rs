@@ -337,8 +337,7 @@ fn pick(app: &App, origin: Vec3, direction: Vec3) -> Option<Vec3> {
     scene.pick(&scene.at(app.now.time), origin, direction).map(|hit| hit.position)
 }
 
-fn by_keys(app: &mut App, ui: &Ui, camera: Camera) -> Camera {
-    let directions = ui.input(|input| app.pilot.directions(input));
+fn by_keys(app: &App, ui: &Ui, camera: Camera) -> Camera {
     if ui.memory(|memory| memory.focused().is_some()) || app.asks() {
         return camera;
     }
@@ -348,7 +347,7 @@ fn by_keys(app: &mut App, ui: &Ui, camera: Camera) -> Camera {
         }
         let faster = if input.modifiers.shift { 4.0 } else { 1.0 };
         let slower = if input.modifiers.alt { 0.25 } else { 1.0 };
-        directions * faster * slower * input.stable_dt.min(0.1)
+        app.pilot.directions() * faster * slower * input.stable_dt.min(0.1)
     });
     if by == Vec3::ZERO {
         return camera;
