@@ -162,12 +162,16 @@ fn verdict(relation: &Relation, seeds: &[Seeds], floor: Option<f64>) -> Option<V
             let most = at_most.map(|most| margin(of, to, &|of, to| most * to - of));
             least.into_iter().chain(most).collect()
         }
-        (Relation::Growth { at_least, at_most, .. }, [upper, ..]) => {
-            let least = at_least.map(|least| margin(upper, upper, &|exponent, _| exponent - least));
-            let most = at_most.map(|most| margin(upper, upper, &|exponent, _| most - exponent));
+        // Of a growth, the exponent in the upper half of its axis.
+        (
+            Relation::Bound { at_least, at_most, .. } | Relation::Growth { at_least, at_most, .. },
+            [found, ..],
+        ) => {
+            let least = at_least.map(|least| margin(found, found, &|found, _| found - least));
+            let most = at_most.map(|most| margin(found, found, &|found, _| most - found));
             least.into_iter().chain(most).collect()
         }
-        (Relation::Ratio { .. } | Relation::Growth { .. }, _) => None,
+        _ => None,
     };
     // An order is strict, a bound is not.
     let strict = matches!(relation, Relation::Order(_));
@@ -245,6 +249,22 @@ mod tests {
         assert_eq!(ratio(&[2.0, 2.3, 1.7], 0.6), Some(Verdict::Holds));
         assert_eq!(ratio(&[2.0, 2.3, 1.7], 0.5), Some(Verdict::Undecided));
         assert_eq!(ratio(&[2.0, 2.3, 1.7], 0.4), Some(Verdict::Fails));
+    }
+
+    #[test]
+    fn a_mean_is_within_its_bounds_beyond_the_interval() {
+        let bound = |values: &[f64], least: f64, most: f64| {
+            let seeds: Seeds = (1..).zip(values.iter().copied()).collect();
+            let relation = Relation::Bound { of: pick(), at_least: Some(least), at_most: Some(most) };
+            verdict(&relation, &[seeds], None)
+        };
+        // 4 ± 0.25.
+        let values = [3.9, 4.0, 4.1];
+        assert_eq!(bound(&values, 3.0, 5.0), Some(Verdict::Holds));
+        assert_eq!(bound(&values, 3.0, 4.1), Some(Verdict::Undecided));
+        assert_eq!(bound(&values, 4.5, 5.0), Some(Verdict::Fails));
+        assert_eq!(bound(&[4.0], 4.0, 4.0), Some(Verdict::Holds), "a bound is not strict");
+        assert_eq!(bound(&[], 3.0, 5.0), None);
     }
 
     #[test]

@@ -22,6 +22,11 @@ use report::{Table, escape};
 const FIGURES: &str = "figures";
 const TABLES: &str = "tables";
 
+/// Returns the table of claims, with what was measured; `None` for a study without claims.
+pub fn claims(results: &Results) -> Option<Table> {
+    table::of_claims(&Digest::new(results))
+}
+
 /// Writes a report into the study's folder, which holds the pictures that `results` names: `report.html`, a
 /// single file that needs no other files and no network; its charts as `figures/*.svg`, the crops that the study declares as
 /// `figures/*.png`; its tables as `tables/*.md` and `tables/*.tex`. The same results give the same bytes. A file is

@@ -41,6 +41,15 @@ pub enum Relation {
         /// The greatest ratio.
         at_most: Option<f64>,
     },
+    /// A mean lies within bounds, of which there is at least one.
+    Bound {
+        /// Whose mean.
+        of: Pick,
+        /// The least mean.
+        at_least: Option<f64>,
+        /// The greatest mean.
+        at_most: Option<f64>,
+    },
     /// The exponent with which a measure grows over an axis lies within bounds, of which there is at least one.
     Growth {
         /// Whose measure grows.
@@ -70,7 +79,7 @@ impl Relation {
         match self {
             Relation::Order(rising) => rising.iter().collect(),
             Relation::Ratio { of, to, .. } => vec![of, to],
-            Relation::Growth { of, .. } => vec![of],
+            Relation::Bound { of, .. } | Relation::Growth { of, .. } => vec![of],
         }
     }
 }

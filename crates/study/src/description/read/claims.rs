@@ -12,7 +12,7 @@ type Bound = Option<Spanned<Number>>;
 
 #[derive(Deserialize)]
 #[serde(
-    expecting = "`Order(measure: \"tid\", rising: [\"a\", \"b\"])`, `Ratio(measure: \"gpu-ms\", of: \"a\", to: \"b\", at_most: 0.5)` or `Growth(measure: \"gpu-ms\", of: \"a\", over: \"lights\", at_most: 1)`"
+    expecting = "`Order(measure: \"tid\", rising: [\"a\", \"b\"])`, `Ratio(measure: \"gpu-ms\", of: \"a\", to: \"b\", at_most: 0.5)`, `Bound(measure: \"gpu-ms\", of: \"a\", at_most: 20)` or `Growth(measure: \"gpu-ms\", of: \"a\", over: \"lights\", at_most: 1)`"
 )]
 pub(super) enum ClaimFile {
     Order {
@@ -26,6 +26,15 @@ pub(super) enum ClaimFile {
         measure: Text,
         of: PickFile,
         to: PickFile,
+        at_least: Bound,
+        at_most: Bound,
+        at: PinsFile,
+        scenes: Option<Spanned<Vec<Text>>>,
+        says: Option<String>,
+    },
+    Bound {
+        measure: Text,
+        of: PickFile,
         at_least: Bound,
         at_most: Bound,
         at: PinsFile,
@@ -73,6 +82,12 @@ impl Checks<'_, '_> {
                 let help = ("a ratio needs a bound", "add `at_most: 0.5` or `at_least: 2.0`");
                 let (at_least, at_most) = self.bounds(at_least, at_most, place, help, Self::positive);
                 (measure, Relation::Ratio { of, to, at_least, at_most }, at, scenes, says)
+            }
+            ClaimFile::Bound { measure, of, at_least, at_most, at, scenes, says } => {
+                let of = self.pick(of);
+                let help = ("a bound needs a number", "add `at_most: 20` or `at_least: 0.5`");
+                let (at_least, at_most) = self.bounds(at_least, at_most, place, help, Self::finite);
+                (measure, Relation::Bound { of, at_least, at_most }, at, scenes, says)
             }
             ClaimFile::Growth { measure, of, over, at_least, at_most, at, scenes, says } => {
                 let (of, over) = (self.pick(of), self.at(over));

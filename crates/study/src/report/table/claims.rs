@@ -81,14 +81,21 @@ fn claim_text(claim: &Claim, info: Option<&MeasureInfo>) -> String {
                 (None, None) => format!("{of} / {to}"),
             }
         }
+        Relation::Bound { of, at_least, at_most } => between(*at_least, &pick_text(of), *at_most),
         Relation::Growth { of, over, at_least, at_most } => {
-            let least = at_least.map(|least| format!("{} ≤ ", number::plain(least))).unwrap_or_default();
-            let most = at_most.map(|most| format!(" ≤ {}", number::plain(most))).unwrap_or_default();
-            format!("{least}exponent of {} over {}{most}", pick_text(of), over.value)
+            let exponent = format!("exponent of {} over {}", pick_text(of), over.value);
+            between(*at_least, &exponent, *at_most)
         }
     };
     let at = if claim.at.is_empty() { String::new() } else { format!(", {}", values_text(&claim.at)) };
     format!("{label}: {relation}{at}")
+}
+
+/// Formats what lies between bounds: `0.5 ≤ ism ≤ 20`.
+fn between(least: Option<f64>, what: &str, most: Option<f64>) -> String {
+    let least = least.map(|least| format!("{} ≤ ", number::plain(least))).unwrap_or_default();
+    let most = most.map(|most| format!(" ≤ {}", number::plain(most))).unwrap_or_default();
+    format!("{least}{what}{most}")
 }
 
 /// Formats the scenes of a claim: `hall-1k to hall-1m` for several.
@@ -115,7 +122,7 @@ fn measured_text(finding: &Finding<'_>, info: Option<&MeasureInfo>) -> String {
     let unit = info.map_or("", |info| &info.unit);
     let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
     match &finding.claim.relation {
-        Relation::Order(_) => means.join(", ") + &unit,
+        Relation::Order(_) | Relation::Bound { .. } => means.join(", ") + &unit,
         Relation::Ratio { .. } => {
             let ratio = finding.ratio().map(|ratio| format!(" = {}", Measured::new(ratio, None).text()));
             format!("{}{unit}{}", means.join(" / "), ratio.unwrap_or_default())
