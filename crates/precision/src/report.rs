@@ -56,9 +56,10 @@ pub fn html(all: &[Measured], about: &str) -> String {
         .html()
 }
 
-fn table(all: &[Measured]) -> Table {
+/// Returns a row for each probe, at the magnitude where its error is the greatest multiple of the unavoidable one.
+pub fn table(all: &[Measured]) -> Table {
     let numbers =
-        ["worst at", "error", "in roundings", "unavoidable", "error over it", "demanded", "not finite"];
+        ["worst at", "error", "in roundings", "unavoidable", "error over it", "at most", "not finite"];
     let numbers = numbers.into_iter().map(|title| Column::number(title, ""));
     let columns = std::iter::once(Column::text("probe", "")).chain(numbers).collect();
     let row = |measured: &Measured| {

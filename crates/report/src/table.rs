@@ -86,6 +86,27 @@ impl Entry {
     pub fn marked(text: impl Into<String>, class: &'static str, tip: impl Into<String>) -> Entry {
         Entry::Marked { text: text.into(), class, tip: tip.into(), is_bold: false }
     }
+
+    /// Returns the text of the entry.
+    fn text(&self) -> String {
+        match self {
+            Entry::Text(text)
+            | Entry::Named(text, _)
+            | Entry::Link(text)
+            | Entry::Marked { text, .. }
+            | Entry::Heading(text) => text.clone(),
+            Entry::Measured { value, .. } => value.text(),
+            Entry::Absent => "–".to_owned(),
+            Entry::Failed(error) => format!("failed: {error}"),
+        }
+    }
+
+    fn is_bold(&self) -> bool {
+        matches!(
+            self,
+            Entry::Measured { is_best: true, .. } | Entry::Marked { is_bold: true, .. } | Entry::Heading(_)
+        )
+    }
 }
 
 impl Table {
@@ -159,6 +180,25 @@ impl Table {
         }
     }
 
+    /// Returns the table in columns of text.
+    pub fn text(&self) -> String {
+        let titles = self.columns.iter().map(|column| column.title.clone()).collect();
+        let rows = self.rows.iter().map(|row| row.iter().map(Entry::text).collect());
+        let rows: Vec<Vec<String>> = std::iter::once(titles).chain(rows).collect();
+        let width =
+            |column: usize| rows.iter().filter_map(|row| row.get(column)?.chars().count().into()).max();
+        let widths: Vec<usize> = (0..self.columns.len()).map(|column| width(column).unwrap_or(0)).collect();
+        let line = |row: &Vec<String>| {
+            let cells = row.iter().zip(&self.columns).zip(&widths);
+            let aligned = cells.map(|((text, column), width)| match column.is_number {
+                true => format!("{text:>width$}"),
+                false => format!("{text:<width$}"),
+            });
+            format!("{}\n", aligned.collect::<Vec<_>>().join("  ").trim_end())
+        };
+        rows.iter().map(line).collect()
+    }
+
     /// Returns a table in GitHub's Markdown, below its caption.
     pub fn markdown(&self) -> String {
         let line = |entries: Vec<String>| format!("| {} |\n", entries.join(" | "));
@@ -167,17 +207,14 @@ impl Table {
         let mut out = format!("{}\n\n{}", escape::markdown(&self.caption), line(titles));
         out += &line(self.columns.iter().map(aligned).collect());
         for row in &self.rows {
-            let entry = |(index, entry): (usize, &Entry)| match entry {
-                Entry::Text(text) | Entry::Named(text, _) | Entry::Link(text) => escape::markdown(text),
-                Entry::Measured { value, is_best: true, .. } => format!("**{}**", value.text()),
-                Entry::Measured { value, .. } => value.text(),
-                Entry::Marked { text, is_bold: true, .. } => format!("**{}**", escape::markdown(text)),
-                Entry::Marked { text, .. } => escape::markdown(text),
-                Entry::Absent => "–".to_owned(),
-                Entry::Heading(text) => format!("**{}**{}", escape::markdown(text), self.absent(index, "| ")),
-                Entry::Failed(error) => {
-                    format!("failed: {}{}", escape::markdown(error), self.absent(index, "| –"))
-                }
+            let entry = |(index, entry): (usize, &Entry)| {
+                let bold = if entry.is_bold() { "**" } else { "" };
+                let rest = match entry {
+                    Entry::Heading(_) => self.absent(index, "| "),
+                    Entry::Failed(_) => self.absent(index, "| –"),
+                    _ => String::new(),
+                };
+                format!("{bold}{}{bold}{rest}", escape::markdown(&entry.text()))
             };
             out += &line(row.iter().enumerate().map(entry).collect());
         }
@@ -198,15 +235,12 @@ impl Table {
         for row in &self.rows {
             let rest = |index, text: String| format!("\\multicolumn{{{}}}{{l}}{{{text}}}", self.rest(index));
             let entry = |(index, entry): (usize, &Entry)| match entry {
-                Entry::Text(text) | Entry::Named(text, _) | Entry::Link(text) => escape::latex(text),
                 // `\boldmath` applies to ± and the power as well, which `\mathbf` does not.
                 Entry::Measured { value, is_best: true, .. } => format!("{{\\boldmath ${}$}}", value.latex()),
                 Entry::Measured { value, .. } => format!("${}$", value.latex()),
-                Entry::Marked { text, is_bold: true, .. } => format!("\\textbf{{{}}}", escape::latex(text)),
-                Entry::Marked { text, .. } => escape::latex(text),
-                Entry::Absent => "--".to_owned(),
-                Entry::Heading(text) => rest(index, escape::latex(text)),
-                Entry::Failed(error) => rest(index, format!("failed: {}", escape::latex(error))),
+                Entry::Heading(_) | Entry::Failed(_) => rest(index, escape::latex(&entry.text())),
+                _ if entry.is_bold() => format!("\\textbf{{{}}}", escape::latex(&entry.text())),
+                _ => escape::latex(&entry.text()),
             };
             let entries: Vec<String> = row.iter().enumerate().map(entry).collect();
             let _ = writeln!(out, "{} \\\\", entries.join(" & "));

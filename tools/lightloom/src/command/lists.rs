@@ -25,7 +25,7 @@ pub(crate) struct PipelinesArgs {
 }
 
 /// Prints names with a line about each.
-fn print(context: &Context, rows: &[(String, String)]) {
+pub(crate) fn print(context: &Context, rows: &[(String, String)]) {
     if context.json {
         let rows: Vec<Value> =
             rows.iter().map(|(name, about)| json!({ "name": name, "about": about })).collect();

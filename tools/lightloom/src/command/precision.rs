@@ -1,11 +1,12 @@
 //! `lightloom precision`: the error of single precision in shader functions.
 
+use super::lists::print;
 use crate::context::{Context, unknown};
 use crate::output::{self, progress, stdout, write};
 use anyhow::{Context as _, Result, bail};
 use executor::wgpu::{self, BufferUsages};
 use executor::{ExecutorError, Gpu};
-use precision::{Evaluator, Fault, GROUP, Interpreted, Kernel, Measured, Options, Probe, Value};
+use precision::{Evaluator, Fault, GROUP, Interpreted, Kernel, Options, Probe, Value};
 use serde_json::json;
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -46,7 +47,7 @@ pub(crate) struct Args {
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let probes = chosen(context, &args.probes)?;
     if args.list {
-        list(context, &probes);
+        print(context, &probes.into_iter().map(|probe| (probe.name, probe.about)).collect::<Vec<_>>());
         return Ok(());
     }
     let evaluator = evaluator(args.interpret)?;
@@ -77,7 +78,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     if context.json {
         output::json(&json!({ "report": page, "by": evaluator.name(), "probes": record }));
     } else {
-        print(&all);
+        stdout!("{}", precision::table(&all).text());
         stdout!("{}", page.display());
     }
     let exceeding = all.iter().filter(|measured| !measured.holds()).count();
@@ -105,36 +106,6 @@ fn chosen(context: &Context, names: &[String]) -> Result<Vec<Probe>> {
     }
     let paths = if names.is_empty() { all } else { paths };
     paths.iter().map(|path| Ok(Probe::load(library, path)?)).collect()
-}
-
-fn list(context: &Context, probes: &[Probe]) {
-    if context.json {
-        let probes: Vec<_> = probes
-            .iter()
-            .map(|probe| json!({ "name": probe.name, "magnitude": probe.magnitude, "about": probe.about }))
-            .collect();
-        output::json(&json!(probes));
-        return;
-    }
-    for probe in probes {
-        stdout!("{:<24} {}", probe.name, probe.about);
-    }
-}
-
-fn print(all: &[Measured]) {
-    stdout!("{:<24} {:>9} {:>9} {:>11} {:>7}", "probe", "worst at", "error", "unavoidable", "ratio");
-    for measured in all {
-        let Some(worst) = measured.worst() else { continue };
-        stdout!(
-            "{:<24} {:>9.1e} {:>9.1e} {:>11.1e} {:>7.2}{}",
-            measured.probe.name,
-            worst.magnitude,
-            worst.errors.most,
-            worst.unavoidable.most,
-            worst.ratio(),
-            if measured.holds() { "" } else { "  exceeds its bound" }
-        );
-    }
 }
 
 /// Returns the GPU, if there is one and it is requested.

@@ -1,5 +1,6 @@
 //! `lightloom stress`: every pipeline at the extremes.
 
+use super::lists::print;
 use crate::context::{Context, parse_set, parse_size, set_text, unknown};
 use crate::output::{self, progress, stderr, stdout, write};
 use anyhow::{Context as _, Result, bail};
@@ -68,7 +69,9 @@ pub(crate) struct Args {
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let cases = chosen(&args.case)?;
     if args.list {
-        return list(context, &cases);
+        let about = |case: Case| (case.name, format!("{}: {}", case.group, case.about));
+        print(context, &cases.into_iter().map(about).collect::<Vec<_>>());
+        return Ok(());
     }
     let subjects = subjects(context, args)?;
     let options = Options {
@@ -177,21 +180,6 @@ fn chosen(names: &[String]) -> Result<Vec<Case>> {
     }
     let wanted = |case: &Case| names.is_empty() || names.iter().any(|name| is(name, case));
     Ok(all.into_iter().filter(wanted).collect())
-}
-
-fn list(context: &Context, cases: &[Case]) -> Result<()> {
-    if context.json {
-        let cases: Vec<_> = cases
-            .iter()
-            .map(|case| json!({ "name": case.name, "group": case.group, "about": case.about }))
-            .collect();
-        output::json(&json!(cases));
-        return Ok(());
-    }
-    for case in cases {
-        stdout!("{:<18} {:<10} {}", case.name, case.group, case.about);
-    }
-    Ok(())
 }
 
 /// Returns the pipelines with their settings. Without names, all that output indirect light except the reference.

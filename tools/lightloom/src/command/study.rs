@@ -268,7 +268,8 @@ fn report(context: &Context, results: &Results, folder: &Path, run: Option<usize
     if missing > 0 {
         stdout!("{missing} of {} cells are not here", results.study.cell_count);
     }
-    if !findings.is_empty() {
+    if let Some(table) = study::claims(results) {
+        stdout!("{}", table.text());
         stdout!(
             "claims  {hold} of {} hold, {fail} do not, {undecided} are not decided, {not_measured} not measured",
             findings.len()
