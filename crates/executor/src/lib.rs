@@ -24,7 +24,7 @@ pub use object::{Object, ObjectUsage, SceneBinding};
 pub use readback::map as map_buffer;
 pub use run::{Executor, FrameOptions, FrameReport, LoadReport};
 pub use step::Dispatch;
-pub use timing::Timings;
+pub use timing::{Timings, milliseconds};
 
 /// Waits for a future of wgpu's, which are done when they are made on native systems.
 pub use pollster::block_on;

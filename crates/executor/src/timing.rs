@@ -213,6 +213,27 @@ impl Timers {
     }
 }
 
+/// Runs commands alone, and returns the milliseconds that they take on the GPU; `None` where the adapter has no timestamps.
+///
+/// # Errors
+/// Those of [`map_buffer`](crate::map_buffer). Errors of the commands are left to [`Gpu::take_fault`].
+pub fn milliseconds(
+    gpu: &Gpu,
+    record: impl FnOnce(&mut wgpu::CommandEncoder),
+) -> Result<Option<f64>, ExecutorError> {
+    let Some(mut timers) = Timers::new(gpu, 1) else { return Ok(None) };
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    timers.start(&mut encoder);
+    record(&mut encoder);
+    timers.stamp(&mut encoder, "end of the commands", Timers::end_of(0));
+    timers.take(&mut encoder);
+    timers.resolve(&mut encoder, TimingTarget::Exact);
+    gpu.submit(Some(encoder.finish()));
+    let mut times = Vec::new();
+    timers.read(gpu, 0, std::iter::once(true), &mut times)?;
+    Ok(times.first().copied())
+}
+
 fn buffer(gpu: &Gpu, label: &str, size: u64, usage: BufferUsages) -> wgpu::Buffer {
     gpu.device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
