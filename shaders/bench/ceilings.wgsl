@@ -1,5 +1,5 @@
 // The limits of an adapter: one kernel for each sort of work that passes do, and little else in it. `lightloom
-// bench --roofline` times them.
+// bench --only roofline` times them.
 //
 // Lengths of buffers and sides of textures are powers of two, so that an index is kept inside by a mask. No kernel can be
 // left out by a compiler: what is loaded decides whether something is stored.

@@ -1,12 +1,11 @@
 //! `lightloom bench`: the performance figures on this machine.
 
 mod encode;
-mod frames;
 mod graph;
-mod layout;
 mod rays;
 mod reload;
 mod roofline;
+mod running;
 mod start;
 mod table;
 mod value;
@@ -20,7 +19,7 @@ use std::path::Path;
 use std::sync::Arc;
 use table::{Section, Table};
 
-/// Measure the costs of Lightloom on this machine.
+/// Measure the costs of Lightloom on this machine, apart from those of pipelines, which `study` measures.
 ///
 /// Each figure is the median of several runs after the first, in which drivers compile shaders, with the least and the
 /// greatest. A goal that is not met is no failure.
@@ -29,18 +28,13 @@ use table::{Section, Table};
   lightloom bench
   lightloom bench --only rays --scene sponza.glb
   lightloom bench --markdown
-  lightloom bench --roofline")]
+  lightloom bench --only roofline")]
 pub(crate) struct Args {
     /// Measure this figure only. May be repeated
     #[arg(long, value_name = "NAME")]
     only: Vec<Figure>,
-    /// Measure the limits of the adapter instead of the figures (copies, loads, stores, atomics, threads,
-    /// barriers, arithmetic, dispatches, fragments, triangles), beside what each pass of three frames must move and do:
-    /// those of `ism-frame` and `shadow-maps`
-    #[arg(long, conflicts_with = "only")]
-    roofline: bool,
-    /// A scene by name or file: rays are traced in it too, and frames are of the first that is
-    /// given in place of the atrium. May be repeated
+    /// A scene by name or file: rays are traced in it too, and frames of the roofline are of the first that is given in place
+    /// of the atrium. May be repeated
     #[arg(long)]
     scene: Vec<String>,
     /// Number of measured runs
@@ -60,15 +54,6 @@ enum Figure {
     /// Rays per second: closest hit and any hit; camera rays, and rays that leave what the camera sees over the
     /// cosine; by the hierarchy, and by ray queries where the adapter has them
     Rays,
-    /// The speed-up of 256 imperfect shadow maps of 256² over classic ones (points, splats and pull-push against
-    /// triangles), and that of the frame
-    ShadowMaps,
-    /// The speed-up of sampling 1,024 lights by Metropolis-Hastings chains of 5 steps over the inverse transform
-    Samplers,
-    /// The speed-up of splatting 4 million points generated on the fly over stored ones
-    Points,
-    /// GPU time of a frame of `ism`: 1,024 lights, maps of 64², 256² pixels, everything run again
-    IsmFrame,
     /// CPU time from the text of a pipeline of 1,000 passes to a plan, without shaders
     Compile,
     /// CPU time of a frame of 1,000 dispatches, from the call until all is submitted, beside the same calls of wgpu
@@ -85,6 +70,10 @@ enum Figure {
     /// Time from the start of a process to its first picture: `lightloom render ism-invtm cornell-box --size 64x64`, with
     /// what the driver has compiled before in its cache, and without
     Start,
+    /// The limits of the adapter (copies, loads, stores, atomics, threads, barriers, arithmetic, dispatches, fragments,
+    /// triangles), and the passes of three frames, each beside what it must move and do: `ism` with 1,024 lights, and `ism`
+    /// and `ism-classic` with 256 maps of 256²
+    Roofline,
 }
 
 /// The device and the options of a measurement.
@@ -121,15 +110,6 @@ impl Bench<'_> {
 
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let bench = Bench { catalog: &context.catalog, args, gpu: OnceCell::new() };
-    if args.roofline {
-        let roofline = roofline::measure(&bench)?;
-        if context.json {
-            output::json(&roofline.to_json());
-        } else {
-            roofline.print(args.markdown);
-        }
-        return Ok(());
-    }
     let all: &[Figure] = clap::ValueEnum::value_variants();
     let wanted = all.iter().filter(|figure| args.only.is_empty() || args.only.contains(figure));
     let wanted: Vec<Figure> = wanted.copied().collect();
@@ -144,7 +124,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     if context.json {
         output::json(&table.to_json());
     } else {
-        table.print(args.markdown);
+        table.print();
     }
     Ok(())
 }
@@ -152,16 +132,13 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
 fn measure(bench: &Bench<'_>, figure: Figure) -> Result<Section> {
     match figure {
         Figure::Rays => rays::measure(bench),
-        Figure::ShadowMaps => frames::shadow_maps(bench),
-        Figure::Samplers => frames::samplers(bench),
-        Figure::Points => frames::points(bench),
-        Figure::IsmFrame => frames::ism_frame(bench),
         Figure::Compile => graph::compiling(bench),
         Figure::Encode => encode::measure(bench),
         Figure::Memory => graph::memory(bench),
         Figure::Value => value::measure(bench),
         Figure::Reload => reload::measure(bench),
         Figure::Start => start::measure(bench),
+        Figure::Roofline => roofline::measure(bench),
     }
 }
 

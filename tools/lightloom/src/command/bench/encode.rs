@@ -1,16 +1,15 @@
 //! The cost of a frame on the CPU, beside the same calls of wgpu made by hand.
 
 use super::graph::{chain, milliseconds};
+use super::running::Running;
 use super::table::{Goal, Row, Section, Spread};
 use super::{Bench, Figure};
 use anyhow::{Context as _, Result, ensure};
 use executor::wgpu::{BindGroup, Buffer, BufferDescriptor, BufferUsages, ComputePipeline};
 use executor::{Executor, FrameOptions, Gpu};
+use frame_graph::Overrides;
 use frame_graph::plan::{PassId, Plan};
-use frame_graph::{Change, CompileOptions, LinkContext, Overrides};
-use renderer::Compiled;
-use scene::{Pose, Scene};
-use scene_upload::{Frame, SceneView};
+use scene_upload::Frame;
 
 /// Factor of the number of runs, since frames are short; no greater one, since lavapipe keeps some of the
 /// memory of each dispatch.
@@ -24,10 +23,15 @@ const SIZE: (u32, u32) = (8, 8);
 
 pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
     let count = bench.size(1000, 50);
-    let mut framework = Framework::new(bench, count)?;
+    let scene = renderer::load_scene(bench.catalog, "cornell-box")?;
+    let (device, text) = ((bench.gpu()?, &**bench.catalog), chain(count + BEFORE));
+    let pipeline = (text.as_str(), &Overrides::default());
+    let mut framework = Running::new(device, pipeline, (&scene, scene.traits()), SIZE)?;
+    let measured = measured(&framework.plan).context("the chain begins with a gather")?;
     // The first frame runs everything, the second only what is measured, whose bind groups are there then.
-    framework.frame()?;
-    let ran = framework.frame()?;
+    framework.frame(None, FrameOptions::default())?;
+    let report = framework.frame(Some(&measured), FrameOptions::default())?;
+    let ran = report.ran.iter().filter(|ran| **ran).count();
     ensure!(ran == count as usize, "{ran} passes ran and not {count}");
     let hand = Hand::new(&framework.executor);
     ensure!(hand.dispatches.len() == count as usize, "{} dispatches were encoded", hand.dispatches.len());
@@ -45,7 +49,7 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
                 submitted.push(submit);
                 by_hand.push(milliseconds(start));
             } else {
-                framework.frame()?;
+                framework.frame(Some(&measured), FrameOptions::default())?;
                 frames.push(milliseconds(start));
             }
             gpu.wait()?;
@@ -69,47 +73,6 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
         bench.args.runs * REPEATS
     );
     Ok(Section { figure: Figure::Encode, rows, note })
-}
-
-/// A plan in the executor, as a renderer has it.
-struct Framework {
-    executor: Executor,
-    view: SceneView,
-    scene: Scene,
-    pose: Pose,
-    change: Change,
-    measured: Vec<PassId>,
-}
-
-impl Framework {
-    fn new(bench: &Bench<'_>, dispatches: u32) -> Result<Framework> {
-        let folder = tempfile::tempdir()?;
-        let path = folder.path().join("chain.ron");
-        std::fs::write(&path, chain(dispatches + BEFORE))?;
-        let scene = renderer::load_scene(bench.catalog, "cornell-box")?;
-        let context = LinkContext { frame: SIZE, traits: scene.traits() };
-        let (path, options) = (path.to_string_lossy(), CompileOptions::default());
-        let compiled = Compiled::new(bench.catalog, &path, &Overrides::default(), &context, &options)?;
-        let mut executor = Executor::new(bench.gpu()?);
-        let mut view = SceneView::upload(&mut executor, &scene);
-        let bindings = compiled.steps.iter().flatten().flat_map(|step| step.scene_bindings());
-        view.provide(&mut executor, &scene, bindings)?;
-        let measured = measured(&compiled.plan).context("the chain begins with a gather")?;
-        executor.load(compiled.plan, compiled.steps)?;
-        let pose = scene.at(0.0);
-        Ok(Framework { executor, view, scene, pose, change: Change::default(), measured })
-    }
-
-    /// Runs a frame, and returns how many passes it ran.
-    fn frame(&mut self) -> Result<usize> {
-        let frame = Frame { index: 0, time: 0.0, step: 0.0, pad: 0.0 };
-        self.scene.pose(0.0, &mut self.pose);
-        self.change.clear();
-        self.view.update(&mut self.executor, &self.scene, &self.pose, SIZE, frame, &mut self.change)?;
-        self.change.again.extend_from_slice(&self.measured);
-        let report = self.executor.frame(&self.change, FrameOptions::default())?;
-        Ok(report.ran.iter().filter(|ran| **ran).count())
-    }
 }
 
 /// The gather and the blurs after it, in the order of the plan.

@@ -1,22 +1,19 @@
-//! The limits of the adapter, beside what each pass of three frames must move and do.
+//! The limits of the adapter, and the passes of three frames, each beside what it must move and do.
 
 mod ceiling;
-mod clock;
 mod kernels;
 mod known;
-mod report;
+mod probe;
 mod work;
 
-use super::frames::{Timed, scene};
-use super::layout::Machine;
-use super::table::Spread;
-use super::{Bench, label};
-use crate::output::progress;
+use super::table::{Goal, Row, Section, Spread};
+use super::{Bench, Figure, label};
 use anyhow::{Context as _, Result};
 use ceiling::{Ceilings, Measured};
-use clock::Clock;
+use frame_graph::{Overrides, Value};
 use kernels::Kernels;
-use renderer::Renderer;
+use renderer::{FrameOptions, Renderer};
+use std::sync::Arc;
 use work::{Quantity, Work};
 
 /// Milliseconds for which a kernel is repeated.
@@ -25,72 +22,53 @@ const MEASURED_MS: f64 = 20.0;
 /// The same in a quick preview.
 const QUICK_MS: f64 = 0.5;
 
-/// A pass with its times and its work.
-struct Pass {
-    name: String,
-    kind: String,
-    time: Spread,
-    work: Work,
-}
-
-/// A frame, pass by pass.
-struct Frame {
-    name: String,
-    time: Spread,
-    passes: Vec<Pass>,
-}
-
-/// Ceilings and frames, measured in turn.
-pub(super) struct Roofline {
-    ceilings: Ceilings,
-    frames: Vec<Frame>,
-    note: String,
-    machine: Machine,
-}
-
-pub(super) fn measure(bench: &Bench<'_>) -> Result<Roofline> {
+pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
     let gpu = bench.timing_gpu()?;
-    let clock = Clock::new(&gpu);
     let kernels = Kernels::new(bench, &gpu)?;
     let mut probes = kernels.probes()?;
-    let bar = progress(u64::from(bench.args.runs) + 2, "measuring");
     let wanted = if bench.args.quick { QUICK_MS } else { MEASURED_MS };
-    probes.iter_mut().try_for_each(|probe| probe.calibrate(&clock, wanted))?;
-    bar.inc(1);
+    probes.iter_mut().try_for_each(|probe| probe.calibrate(&gpu, wanted))?;
     let mut frames = frames(bench)?;
     let mut rates = vec![Vec::new(); probes.len()];
     let mut times = vec![Vec::new(); frames.len()];
-    bar.inc(1);
     for _ in 0..bench.args.runs {
         // In turn, so that whatever else the machine does slows both sides.
         for (rates, probe) in rates.iter_mut().zip(&probes) {
-            rates.push(probe.rate(&clock)?);
+            rates.push(probe.rate(&gpu)?);
         }
-        for (times, (_, timed)) in times.iter_mut().zip(&mut frames) {
-            times.push(timed.frame()?);
+        for (times, (_, renderer)) in times.iter_mut().zip(&mut frames) {
+            times.push(frame(renderer)?);
         }
-        bar.inc(1);
     }
-    bar.finish_and_clear();
     let measured = probes.iter().zip(rates);
-    let measured =
-        measured.map(|(probe, rates)| Measured { ceiling: probe.ceiling, rate: Spread::of(rates) });
-    let note = format!(
-        "{} ({} triangles), every pass run again in each frame. Ceilings and frames in turn; a ceiling is repeated for {wanted} ms. At least: what takes longest of all that a pass must move and do, each at its fastest ceiling, as if everything overlapped; resources of the plan once however often they are read, without those of the scene.",
-        label(scene(bench)),
-        frames[0].1.triangles(),
+    let ceilings = Ceilings(
+        measured.map(|(probe, rates)| Measured { ceiling: probe.ceiling, rate: Spread::of(rates) }).collect(),
     );
-    let frames = frames.iter_mut().zip(times);
-    Ok(Roofline {
-        ceilings: Ceilings(measured.collect()),
-        frames: frames.map(|((name, timed), times)| frame(name, timed, &times)).collect::<Result<_>>()?,
-        note,
-        machine: Machine::new(Some(&gpu), bench.args),
-    })
+    let mut rows: Vec<Row> = ceilings.0.iter().map(|ceiling| ceiling.row()).collect();
+    for ((name, renderer), times) in frames.iter().zip(times) {
+        rows.extend(passes(name, renderer, &times, &ceilings)?);
+    }
+    let note = format!(
+        "{} ({} triangles), every pass run again in each frame. Ceilings and frames in turn; a ceiling is repeated for {wanted} ms. The goal of a pass is no less than it can take: what takes longest of all that it must move and do, each at its fastest ceiling, as if everything overlapped; resources of the plan once however often they are read, without those of the scene.",
+        label(scene(bench)),
+        frames[0].1.scene().triangles(),
+    );
+    Ok(Section { figure: Figure::Roofline, rows, note })
 }
 
-/// Returns the frames of the figures `ism-frame` and `shadow-maps`.
-fn frames(bench: &Bench<'_>) -> Result<Vec<(String, Timed)>> {
+/// Returns the first scene that is given, or the atrium, which has about the structure of Sponza.
+fn scene<'a>(bench: &'a Bench<'_>) -> &'a str {
+    bench.args.scene.first().map_or("atrium", String::as_str)
+}
+
+/// Runs all passes, and returns the milliseconds of each.
+fn frame(renderer: &mut Renderer) -> Result<Vec<f64>> {
+    renderer.run_everything();
+    Ok(renderer.frame()?.times.clone())
+}
+
+/// Returns the frames, each run once.
+fn frames(bench: &Bench<'_>) -> Result<Vec<(String, Renderer)>> {
     let side = bench.size(256, 32);
     let (lights, map) = (bench.size(1024, 32), bench.size(64, 16));
     let (few, large) = (bench.size(256, 8), bench.size(256, 32));
@@ -98,12 +76,16 @@ fn frames(bench: &Bench<'_>) -> Result<Vec<(String, Timed)>> {
     let frames =
         [("ism", (side, side), lights, map), ("ism", wide, few, large), ("ism-classic", wide, few, large)];
     let frames = frames.into_iter().map(|(pipeline, size, lights, map)| {
-        let mut timed = Timed::new(bench, pipeline, size, &[("lights", lights), ("map", map)])?;
-        for (_, name, _) in marked(timed.renderer()) {
-            timed.renderer().keep(&name)?;
+        let loaded = renderer::load_scene(bench.catalog, scene(bench))?;
+        let mut timed = Renderer::new(bench.timing_gpu()?, Arc::clone(bench.catalog), loaded, size)?;
+        let values = [("lights", lights), ("map", map)];
+        let values = values.map(|(name, value)| (name.to_owned(), Value::U32(value)));
+        timed.set_pipeline(pipeline, &Overrides(values.into()))?;
+        timed.set_frame_options(FrameOptions { timed: true, ..FrameOptions::default() });
+        for (_, name, _) in marked(&timed) {
+            timed.keep(&name)?;
         }
-        // What is kept was made again.
-        timed.frame()?;
+        frame(&mut timed)?;
         Ok((format!("{pipeline}, {lights} maps of {map}², {}×{} pixels", size.0, size.1), timed))
     });
     frames.collect()
@@ -119,25 +101,31 @@ fn marked(renderer: &Renderer) -> Vec<(usize, String, u32)> {
     found.collect()
 }
 
-/// Returns a frame with the work of its passes.
-fn frame(name: &str, timed: &mut Timed, times: &[Vec<f64>]) -> Result<Frame> {
-    let triangles = timed.triangles() as u64;
-    let renderer = timed.renderer();
+/// Returns a row for each pass of a frame, with its work and the time that this takes at least, and one for the frame.
+fn passes(name: &str, renderer: &Renderer, times: &[Vec<f64>], ceilings: &Ceilings) -> Result<Vec<Row>> {
+    let triangles = renderer.scene().triangles() as u64;
     let compiled = renderer.compiled().context("the frame has a pipeline")?;
     let (plan, steps) = (&compiled.plan, &compiled.steps);
-    let passes = plan.passes.iter().zip(steps).enumerate().map(|(i, (planned, steps))| Pass {
-        name: planned.name.to_string(),
-        kind: planned.kind.to_string(),
-        time: Spread::of(times.iter().map(|times| times[i]).collect()),
-        work: known::work(plan, planned, steps, triangles),
-    });
-    let mut passes: Vec<Pass> = passes.collect();
-    for (i, name, empty) in marked(renderer) {
-        let id = plan.resource(&name).with_context(|| format!("the plan has no `{name}`"))?;
+    let planned = plan.passes.iter().zip(steps);
+    let mut work: Vec<Work> =
+        planned.map(|(planned, steps)| known::work(plan, planned, steps, triangles)).collect();
+    for (i, resource, empty) in marked(renderer) {
+        let id = plan.resource(&resource).with_context(|| format!("the plan has no `{resource}`"))?;
         let bytes = renderer.resource_bytes(id)?;
         let done = bytes.chunks_exact(4).filter(|word| **word != empty.to_le_bytes()).count();
-        passes[i].work.add(Quantity::Atomics, done as u64);
+        work[i].add(Quantity::Atomics, done as u64);
     }
-    let time = Spread::of(times.iter().map(|times| times.iter().sum()).collect());
-    Ok(Frame { name: name.to_owned(), time, passes })
+    let whole = Spread::of(times.iter().map(|times| times.iter().sum()).collect());
+    // Passes run one after the other.
+    let least = work.iter().filter_map(|work| work.bound(ceilings)).map(|(_, least)| least).sum();
+    let mut rows = vec![Row::new(name, whole, "ms").goal(Goal::AtLeast(least), "all passes")];
+    for (i, (pass, work)) in plan.passes.iter().zip(work).enumerate() {
+        let time = Spread::of(times.iter().map(|times| times[i]).collect());
+        let row = Row::new(format!("{name}: {}", pass.name), time, "ms").counts(work.counts().collect());
+        rows.push(match work.bound(ceilings) {
+            Some((quantity, least)) => row.goal(Goal::AtLeast(least), quantity.name()),
+            None => row,
+        });
+    }
+    Ok(rows)
 }

@@ -1,11 +1,11 @@
 //! Figures with their goals.
 
-use super::layout::{Machine, digits, print_columns};
 use super::{Args, Figure};
 use crate::output::stdout;
 use clap::ValueEnum as _;
 use metrics::statistics::median;
 use renderer::Gpu;
+use report::{Column, Entry, number};
 use serde_json::{Value, json};
 
 /// Median of several runs, with the least and the greatest.
@@ -33,9 +33,10 @@ impl Spread {
     pub(super) fn with_unit(self, unit: &str) -> String {
         let Spread { median, least, greatest } = self;
         if least == greatest {
-            return format!("{} {unit}", digits(median));
+            return format!("{} {unit}", number::short(median, 3));
         }
-        format!("{} {unit} ({}–{})", digits(median), digits(least), digits(greatest))
+        let [median, least, greatest] = [median, least, greatest].map(|value| number::short(value, 3));
+        format!("{median} {unit} ({least}–{greatest})")
     }
 
     /// Returns `amount` over each value: a rate from times.
@@ -53,7 +54,7 @@ impl Spread {
     }
 }
 
-/// A goal of the design.
+/// A goal of the design, or a limit of the adapter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Goal {
     AtLeast(f64),
@@ -108,20 +109,23 @@ impl Row {
     }
 
     /// Returns the row of the table.
-    fn cells(&self) -> [String; 5] {
+    fn cells(&self) -> [String; 6] {
         let median = self.measured.median;
         let (goal, met) = match self.goal {
             Some(goal) => {
                 let (sign, value) = goal.sign_and_value();
                 let met = if goal.met(median) { "yes" } else { "no" };
-                (format!("{sign} {} {}", short(value), self.unit), met)
+                (format!("{sign} {} {}", number::short(value, 3), self.unit), met)
             }
             None => (String::new(), ""),
         };
-        [self.name.clone(), self.measured.with_unit(self.unit), goal, met.to_owned(), self.from.to_owned()]
+        let counts: Vec<String> =
+            self.counts.iter().map(|(name, count)| format!("{} {name}", rounded(*count))).collect();
+        let measured = self.measured.with_unit(self.unit);
+        [self.name.clone(), measured, goal, met.to_owned(), self.from.to_owned(), counts.join(", ")]
     }
 
-    fn to_json(&self, figure: Figure) -> Value {
+    fn to_json(&self, figure: &str) -> Value {
         let goal = self.goal.map(|goal| {
             let (sign, value) = goal.sign_and_value();
             json!({ "sign": sign.to_string(), "value": value })
@@ -129,7 +133,7 @@ impl Row {
         let counts: serde_json::Map<String, Value> =
             self.counts.iter().map(|(name, count)| ((*name).to_owned(), json!(count))).collect();
         json!({
-            "figure": name(figure),
+            "figure": figure,
             "name": self.name,
             "median": self.measured.median,
             "least": self.measured.least,
@@ -150,46 +154,67 @@ pub(super) struct Section {
     pub(super) note: String,
 }
 
+/// Whether CPU times are those of a release.
+const OPTIMISED: bool = !cfg!(debug_assertions);
+
 /// All measurements, with the machine.
-pub(super) struct Table {
+pub(super) struct Table<'a> {
     sections: Vec<Section>,
-    machine: Machine,
+    adapter: Option<String>,
+    cores: usize,
+    args: &'a Args,
 }
 
-impl Table {
-    pub(super) fn new(mut sections: Vec<Section>, gpu: Option<&Gpu>, args: &Args) -> Table {
-        if args.quick {
-            sections
-                .iter_mut()
-                .flat_map(|section| &mut section.rows)
-                .for_each(|row| (row.goal, row.from) = (None, ""));
+impl Table<'_> {
+    pub(super) fn new<'a>(mut sections: Vec<Section>, gpu: Option<&Gpu>, args: &'a Args) -> Table<'a> {
+        // What a pass can take at least follows from its size.
+        let sized = sections.iter_mut().filter(|section| section.figure != Figure::Roofline && args.quick);
+        for row in sized.flat_map(|section| &mut section.rows) {
+            (row.goal, row.from) = (None, "");
         }
-        Table { sections, machine: Machine::new(gpu, args) }
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        Table { sections, adapter: gpu.map(Gpu::describe), cores, args }
     }
 
-    pub(super) fn print(&self, markdown: bool) {
-        if markdown {
-            stdout!("{}\n", self.machine.line());
-        }
-        let rows = self.sections.iter().flat_map(|section| &section.rows).map(Row::cells);
-        print_columns(["what", "measured", "goal", "met", "from"], rows, markdown);
-        stdout!("");
-        if markdown {
-            self.notes().for_each(|(name, note)| stdout!("- `{name}`: {note}"));
-            return;
-        }
-        self.notes().for_each(|(name, note)| stdout!("{name}: {note}"));
-        stdout!("{}", self.machine.line());
+    pub(super) fn print(&self) {
+        let titles = ["what", "measured", "goal", "met", "from", "counts"];
+        let rows = self.sections.iter().flat_map(|section| &section.rows);
+        let table = report::Table {
+            columns: titles.map(|title| Column::text(title, "")).into(),
+            rows: rows.map(|row| row.cells().map(Entry::Text).into()).collect(),
+            ..report::Table::default()
+        };
+        let text = if self.args.markdown { table.markdown() } else { table.text() };
+        stdout!("{}", text.trim_start());
+        self.notes().for_each(|(name, note)| stdout!("- `{name}`: {note}"));
+        let adapter = self.adapter.as_deref().unwrap_or("no adapter was requested");
+        stdout!(
+            "\nLightloom {}{}; {adapter}, {} CPU cores. Medians (least–greatest); runs after the first: {}{}.",
+            env!("CARGO_PKG_VERSION"),
+            if OPTIMISED { "" } else { ", built without full optimisation" },
+            self.cores,
+            self.args.runs,
+            if self.args.quick { "; a quick preview, to which the goals do not apply" } else { "" },
+        );
     }
 
     pub(super) fn to_json(&self) -> Value {
-        let rows = self
-            .sections
-            .iter()
-            .flat_map(|section| section.rows.iter().map(|row| row.to_json(section.figure)));
+        let rows = self.sections.iter().flat_map(|section| {
+            let figure = name(section.figure);
+            section.rows.iter().map(move |row| row.to_json(&figure))
+        });
         let notes: serde_json::Map<String, Value> =
             self.notes().map(|(name, note)| (name, json!(note))).collect();
-        self.machine.json_with([("rows", rows.collect()), ("notes", notes.into())])
+        json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "optimised": OPTIMISED,
+            "adapter": self.adapter,
+            "cores": self.cores,
+            "runs": self.args.runs,
+            "quick": self.args.quick,
+            "rows": rows.collect::<Vec<_>>(),
+            "notes": notes,
+        })
     }
 
     fn notes(&self) -> impl Iterator<Item = (String, &str)> {
@@ -197,14 +222,19 @@ impl Table {
     }
 }
 
+/// Formats a count with three significant digits.
+fn rounded(count: u64) -> String {
+    match count {
+        0..1_000 => count.to_string(),
+        1_000..1_000_000 => format!("{} k", number::short(count as f64 / 1e3, 3)),
+        1_000_000..1_000_000_000 => format!("{} M", number::short(count as f64 / 1e6, 3)),
+        _ => format!("{} G", number::short(count as f64 / 1e9, 3)),
+    }
+}
+
 /// Returns the name that `--only` takes.
 fn name(figure: Figure) -> String {
     figure.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
-}
-
-/// Formats a number as a goal states it.
-fn short(value: f64) -> String {
-    format!("{value}")
 }
 
 #[cfg(test)]
@@ -234,8 +264,10 @@ mod tests {
     fn a_row_says_whether_its_goal_is_met() {
         let spread = Spread { median: 25.0, least: 20.0, greatest: 31.0 };
         let row = Row::new("maps", spread, "×").goal(Goal::AtLeast(30.0), "ISM §5");
-        assert_eq!(row.cells(), ["maps", "25.0 × (20.0–31.0)", "≥ 30 ×", "no", "ISM §5"]);
-        let row = Row::new("memory", Spread::exact(1.0), "×");
-        assert_eq!(row.cells(), ["memory", "1.00 ×", "", "", ""]);
+        assert_eq!(row.cells(), ["maps", "25 × (20–31)", "≥ 30 ×", "no", "ISM §5", ""]);
+        let counts = vec![("bytes moved", 67_108_864), ("threads", 1_024), ("dispatches", 3)];
+        let row = Row::new("memory", Spread::exact(1.5), "×").counts(counts);
+        let counts = "67.1 M bytes moved, 1.02 k threads, 3 dispatches";
+        assert_eq!(row.cells(), ["memory", "1.50 ×", "", "", "", counts]);
     }
 }

@@ -39,7 +39,7 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
         }
         // In the first, shaders may be compiled.
         let times = Spread::of(times[1..].to_vec());
-        let row = Row::new(format!("`{path}`: {reach}"), times, "ms");
+        let row = Row::new(format!("{path}: {reach}"), times, "ms");
         rows.push(if same_sizes { row.goal(Goal::Below(1.0), "own, two cores") } else { row });
     }
     let note = format!(

@@ -1,7 +1,6 @@
 //! The limits of an adapter.
 
-use super::super::table::Spread;
-use serde_json::{Value, json};
+use super::super::table::{Row, Spread};
 
 /// The unit in which a rate is printed.
 #[derive(Clone, Copy)]
@@ -14,9 +13,9 @@ enum Unit {
     Each(&'static str),
 }
 
-/// Defines the ceilings: name in JSON, name for readers, and unit.
+/// Defines the ceilings: name and unit.
 macro_rules! ceilings {
-    ($($name:ident $key:literal $label:literal $unit:ident($text:literal))*) => {
+    ($($name:ident $label:literal $unit:ident($text:literal))*) => {
         /// A sort of work, measured by a kernel that does little else.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(super) enum Ceiling {
@@ -24,10 +23,10 @@ macro_rules! ceilings {
         }
 
         impl Ceiling {
-            /// Returns its name in JSON, that in tables, and its unit.
-            fn texts(self) -> (&'static str, &'static str, Unit) {
+            /// Returns its name and its unit.
+            fn texts(self) -> (&'static str, Unit) {
                 match self {
-                    $(Ceiling::$name => ($key, $label, Unit::$unit($text)),)*
+                    $(Ceiling::$name => ($label, Unit::$unit($text)),)*
                 }
             }
         }
@@ -35,29 +34,29 @@ macro_rules! ceilings {
 }
 
 ceilings! {
-    Copy "copy" "copy of a buffer, read and written" Billions("GB/s")
-    Load "load" "buffer load in order, 16 B each, beyond caches" Billions("GB/s")
-    LoadNear "load-near" "buffer load in order, 16 B each, in 1 MiB" Billions("GB/s")
-    Store "store" "buffer store in order, 16 B each, beyond caches" Billions("GB/s")
-    StoreNear "store-near" "buffer store in order, 16 B each, in 1 MiB" Billions("GB/s")
-    LoadWordsInOrder "load-words-in-order" "loads of 4 B in order in 1 MiB" Millions("M/s")
-    LoadWords "load-words" "loads of 4 B anywhere, beyond caches" Millions("M/s")
-    LoadWordsNear "load-words-near" "loads of 4 B anywhere in 1 MiB" Millions("M/s")
-    LoadVectors "load-vectors" "loads of 16 B anywhere, beyond caches" Millions("M/s")
-    LoadVectorsNear "load-vectors-near" "loads of 16 B anywhere in 1 MiB" Millions("M/s")
-    LoadTexels "load-texels" "texels loaded, r32float" Millions("Mtexel/s")
-    StoreTexels "store-texels" "texels stored, r32float" Millions("Mtexel/s")
-    Atomics "atomics" "atomic minima anywhere, beyond caches" Millions("M/s")
-    AtomicsNear "atomics-near" "atomic minima anywhere in 1 MiB" Millions("M/s")
-    AtomicsOfOne "atomics-of-one" "atomic minima of one word" Millions("M/s")
-    Threads "threads" "threads that do nothing, 64 a workgroup" Millions("M/s")
-    Barriers "barriers" "threads at a barrier, 256 a workgroup" Millions("M/s")
-    Multiplications "multiplications" "multiplications with additions, f32" Billions("GFLOP/s")
-    Dispatches "dispatches" "dispatches of one workgroup" Each("µs")
-    Fragments "fragments" "fragments, r32float" Millions("Mpx/s")
-    FragmentsOfFour "fragments-of-four" "fragments, rgba16float" Millions("Mpx/s")
-    Triangles "triangles" "triangles of a third of a pixel that cover no centre" Millions("M/s")
-    TrianglesOutOfView "triangles-out-of-view" "the same out of view" Millions("M/s")
+    Copy "copy of a buffer, read and written" Billions("GB/s")
+    Load "buffer load in order, 16 B each, beyond caches" Billions("GB/s")
+    LoadNear "buffer load in order, 16 B each, in 1 MiB" Billions("GB/s")
+    Store "buffer store in order, 16 B each, beyond caches" Billions("GB/s")
+    StoreNear "buffer store in order, 16 B each, in 1 MiB" Billions("GB/s")
+    LoadWordsInOrder "loads of 4 B in order in 1 MiB" Millions("M/s")
+    LoadWords "loads of 4 B anywhere, beyond caches" Millions("M/s")
+    LoadWordsNear "loads of 4 B anywhere in 1 MiB" Millions("M/s")
+    LoadVectors "loads of 16 B anywhere, beyond caches" Millions("M/s")
+    LoadVectorsNear "loads of 16 B anywhere in 1 MiB" Millions("M/s")
+    LoadTexels "texels loaded, r32float" Millions("Mtexel/s")
+    StoreTexels "texels stored, r32float" Millions("Mtexel/s")
+    Atomics "atomic minima anywhere, beyond caches" Millions("M/s")
+    AtomicsNear "atomic minima anywhere in 1 MiB" Millions("M/s")
+    AtomicsOfOne "atomic minima of one word" Millions("M/s")
+    Threads "threads that do nothing, 64 a workgroup" Millions("M/s")
+    Barriers "threads at a barrier, 256 a workgroup" Millions("M/s")
+    Multiplications "multiplications with additions, f32" Billions("GFLOP/s")
+    Dispatches "dispatches of one workgroup" Each("µs")
+    Fragments "fragments, r32float" Millions("Mpx/s")
+    FragmentsOfFour "fragments, rgba16float" Millions("Mpx/s")
+    Triangles "triangles of a third of a pixel that cover no centre" Millions("M/s")
+    TrianglesOutOfView "the same out of view" Millions("M/s")
 }
 
 /// A ceiling with what was done in a second, in bytes, operations or pieces.
@@ -68,33 +67,16 @@ pub(super) struct Measured {
 }
 
 impl Measured {
-    /// Returns the row of a table: the work and its rate.
-    pub(super) fn cells(&self) -> [String; 2] {
-        let (rate, unit) = self.shown();
-        [self.ceiling.texts().1.to_owned(), rate.with_unit(unit)]
-    }
-
-    pub(super) fn to_json(self) -> Value {
-        let (rate, unit) = self.shown();
-        let (name, what, _) = self.ceiling.texts();
-        json!({
-            "name": name,
-            "what": what,
-            "median": rate.median,
-            "least": rate.least,
-            "greatest": rate.greatest,
-            "unit": unit,
-        })
-    }
-
-    fn shown(self) -> (Spread, &'static str) {
+    /// Returns the row of the table.
+    pub(super) fn row(&self) -> Row {
         let Spread { median, least, greatest } = self.rate;
         let over =
             |unit: f64| Spread { median: median / unit, least: least / unit, greatest: greatest / unit };
-        match self.ceiling.texts().2 {
-            Unit::Billions(name) => (over(1e9), name),
-            Unit::Millions(name) => (over(1e6), name),
-            Unit::Each(name) => (self.rate.under(1e6), name),
+        let (what, unit) = self.ceiling.texts();
+        match unit {
+            Unit::Billions(unit) => Row::new(what, over(1e9), unit),
+            Unit::Millions(unit) => Row::new(what, over(1e6), unit),
+            Unit::Each(unit) => Row::new(what, self.rate.under(1e6), unit),
         }
     }
 }

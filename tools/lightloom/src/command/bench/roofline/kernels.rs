@@ -2,7 +2,7 @@
 
 use super::super::Bench;
 use super::ceiling::Ceiling;
-use super::clock::{Probe, Record};
+use super::probe::{Probe, Record};
 use anyhow::{Context as _, Result};
 use executor::wgpu::{Buffer, ShaderModule, TextureFormat, TextureView};
 use executor::{Gpu, wgpu};

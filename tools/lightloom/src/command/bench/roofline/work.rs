@@ -4,14 +4,13 @@ use super::ceiling::{Ceiling, Ceilings};
 use frame_graph::plan::{Plan, PlannedPass, ResourceId};
 use frame_graph::{ResourceDesc, TextureDesc};
 use pass::{Draw, LinkedStep, LinkedSteps, Source, Step, Threads};
-use serde_json::{Map, Value, json};
 use shader_library::{Access, GlobalKind};
 use std::collections::BTreeSet;
 
-/// Defines the quantities: name in JSON, name for readers, and the ceilings of which the fastest bounds it, since what a
+/// Defines the quantities: name, and the ceilings of which the fastest bounds it, since what a
 /// pass moves may be in caches or not.
 macro_rules! quantities {
-    ($($(#[$doc:meta])* $name:ident $key:literal $label:literal [$($ceiling:ident)*])*) => {
+    ($($(#[$doc:meta])* $name:ident $label:literal [$($ceiling:ident)*])*) => {
         /// A quantity that is counted of a pass.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(super) enum Quantity {
@@ -19,12 +18,11 @@ macro_rules! quantities {
         }
 
         impl Quantity {
-            pub(super) const ALL: [Quantity; [$($key),*].len()] = [$(Quantity::$name),*];
+            pub(super) const ALL: [Quantity; [$($label),*].len()] = [$(Quantity::$name),*];
 
-            /// Returns its name in JSON, and that for readers.
-            pub(super) fn names(self) -> (&'static str, &'static str) {
+            pub(super) fn name(self) -> &'static str {
                 match self {
-                    $(Quantity::$name => ($key, $label),)*
+                    $(Quantity::$name => $label,)*
                 }
             }
 
@@ -39,29 +37,29 @@ macro_rules! quantities {
 
 quantities! {
     /// Bytes of all that it reads and writes, each once.
-    Bytes "bytes" "bytes moved" [Copy Load LoadNear Store StoreNear]
+    Bytes "bytes moved" [Copy Load LoadNear Store StoreNear]
     /// Bytes of buffers that it reads.
-    Read "read" "bytes read from buffers" [Load LoadNear]
+    Read "bytes read from buffers" [Load LoadNear]
     /// Bytes of buffers that it writes.
-    Written "written" "bytes written to buffers" [Store StoreNear]
+    Written "bytes written to buffers" [Store StoreNear]
     /// Loads from buffers, of any size.
-    Loads "loads" "loads" [LoadWordsInOrder LoadWords LoadWordsNear LoadVectors LoadVectorsNear]
+    Loads "loads" [LoadWordsInOrder LoadWords LoadWordsNear LoadVectors LoadVectorsNear]
     /// Texels that it loads.
-    TexelLoads "texel_loads" "texels loaded" [LoadTexels]
+    TexelLoads "texels loaded" [LoadTexels]
     /// Texels that it stores.
-    TexelStores "texel_stores" "texels stored" [StoreTexels]
-    Atomics "atomics" "atomics" [Atomics AtomicsNear]
+    TexelStores "texels stored" [StoreTexels]
+    Atomics "atomics" [Atomics AtomicsNear]
     /// Threads of its dispatches, of whole workgroups.
-    Threads "threads" "threads" [Threads]
+    Threads "threads" [Threads]
     /// Threads at a barrier, for each of its barriers.
-    Barriers "barriers" "threads at barriers" [Barriers]
+    Barriers "threads at barriers" [Barriers]
     /// Operations of floating point.
-    Operations "operations" "operations" [Multiplications]
-    Dispatches "dispatches" "dispatches" [Dispatches]
+    Operations "operations" [Multiplications]
+    Dispatches "dispatches" [Dispatches]
     /// Texels that it draws.
-    Fragments "fragments" "fragments" [Fragments FragmentsOfFour]
+    Fragments "fragments" [Fragments FragmentsOfFour]
     /// Triangles that it draws.
-    Triangles "triangles" "triangles" [Triangles TrianglesOutOfView]
+    Triangles "triangles" [Triangles TrianglesOutOfView]
 }
 
 /// The amount of each quantity of a pass.
@@ -161,17 +159,9 @@ impl Work {
     }
 
     /// Returns the counts that are not zero.
-    pub(super) fn counts(&self) -> impl Iterator<Item = (Quantity, u64)> {
-        Quantity::ALL
-            .into_iter()
-            .map(|quantity| (quantity, self.get(quantity)))
-            .filter(|(_, count)| *count > 0)
-    }
-
-    pub(super) fn to_json(&self) -> Value {
-        let counts: Map<String, Value> =
-            self.counts().map(|(quantity, count)| (quantity.names().0.to_owned(), json!(count))).collect();
-        counts.into()
+    pub(super) fn counts(&self) -> impl Iterator<Item = (&'static str, u64)> {
+        let all = Quantity::ALL.into_iter().map(|quantity| (quantity.name(), self.get(quantity)));
+        all.filter(|(_, count)| *count > 0)
     }
 }
 
