@@ -32,8 +32,6 @@ pub fn json(all: &[Measured]) -> Value {
     Value::Array(all.iter().map(probe).collect())
 }
 
-const STYLE: &str = include_str!("report.css");
-
 /// Returns the page: a table of the probes, and a chart for each. It needs no other file and no network.
 pub fn html(all: &[Measured], about: &str) -> String {
     let mut body = format!("<main>\n<h1>Single precision</h1>\n<p class=lead>{}</p>\n", escape(about));
@@ -52,8 +50,7 @@ pub fn html(all: &[Measured], about: &str) -> String {
             chart(measured).drawing().svg()
         );
     }
-    Page { title: "Lightloom: single precision", style: STYLE, body: &(body + "</main>\n"), script: "" }
-        .html()
+    Page { title: "Lightloom: single precision", style: "", body: &(body + "</main>\n"), script: "" }.html()
 }
 
 /// Returns a row for each probe, at the magnitude where its error is the greatest multiple of the unavoidable one.

@@ -13,7 +13,7 @@ pub struct Table {
     pub caption: String,
     /// The columns.
     pub columns: Vec<Column>,
-    /// The rows, with an entry for each column; [`Entry::Heading`] and [`Entry::Failed`] take the rest of a row.
+    /// The rows, with an entry for each column; [`Entry::Failed`] takes the rest of a row.
     pub rows: Vec<Vec<Entry>>,
 }
 
@@ -59,8 +59,6 @@ pub enum Entry {
     },
     /// The row has no value in this column.
     Absent,
-    /// A heading above the rows that follow.
-    Heading(String),
     /// The reason why the rest of the row is missing.
     Failed(String),
 }
@@ -90,11 +88,9 @@ impl Entry {
     /// Returns the text of the entry.
     fn text(&self) -> String {
         match self {
-            Entry::Text(text)
-            | Entry::Named(text, _)
-            | Entry::Link(text)
-            | Entry::Marked { text, .. }
-            | Entry::Heading(text) => text.clone(),
+            Entry::Text(text) | Entry::Named(text, _) | Entry::Link(text) | Entry::Marked { text, .. } => {
+                text.clone()
+            }
             Entry::Measured { value, .. } => value.text(),
             Entry::Absent => "–".to_owned(),
             Entry::Failed(error) => format!("failed: {error}"),
@@ -102,10 +98,7 @@ impl Entry {
     }
 
     fn is_bold(&self) -> bool {
-        matches!(
-            self,
-            Entry::Measured { is_best: true, .. } | Entry::Marked { is_bold: true, .. } | Entry::Heading(_)
-        )
+        matches!(self, Entry::Measured { is_best: true, .. } | Entry::Marked { is_bold: true, .. })
     }
 }
 
@@ -171,9 +164,6 @@ impl Table {
                 format!("<td{class}{}>{open}{}{close}</td>", titled(tip), escape::html(text))
             }
             Entry::Absent => format!("<td{class}>–</td>"),
-            Entry::Heading(text) => {
-                format!("<th class=group scope=rowgroup colspan={rest}>{}</th>", escape::html(text))
-            }
             Entry::Failed(error) => {
                 format!("<td class=failed colspan={rest}>failed: {}</td>", escape::html(error))
             }
@@ -210,8 +200,7 @@ impl Table {
             let entry = |(index, entry): (usize, &Entry)| {
                 let bold = if entry.is_bold() { "**" } else { "" };
                 let rest = match entry {
-                    Entry::Heading(_) => self.absent(index, "| "),
-                    Entry::Failed(_) => self.absent(index, "| –"),
+                    Entry::Failed(_) => " | –".repeat(self.rest(index) - 1),
                     _ => String::new(),
                 };
                 format!("{bold}{}{bold}{rest}", escape::markdown(&entry.text()))
@@ -221,11 +210,6 @@ impl Table {
         out
     }
 
-    /// Returns the entries after one that takes the rest of a row.
-    fn absent(&self, index: usize, entry: &str) -> String {
-        format!(" {entry}").repeat(self.rest(index) - 1)
-    }
-
     /// Returns a `tabular` that uses booktabs, with its caption in a comment.
     pub fn latex(&self) -> String {
         let aligned = self.columns.iter().map(|column| if column.is_number { 'r' } else { 'l' });
@@ -233,12 +217,13 @@ impl Table {
         let titles: Vec<String> = self.columns.iter().map(|column| escape::latex(&column.title)).collect();
         let _ = writeln!(out, "{} \\\\\n\\midrule", titles.join(" & "));
         for row in &self.rows {
-            let rest = |index, text: String| format!("\\multicolumn{{{}}}{{l}}{{{text}}}", self.rest(index));
             let entry = |(index, entry): (usize, &Entry)| match entry {
                 // `\boldmath` applies to ± and the power as well, which `\mathbf` does not.
                 Entry::Measured { value, is_best: true, .. } => format!("{{\\boldmath ${}$}}", value.latex()),
                 Entry::Measured { value, .. } => format!("${}$", value.latex()),
-                Entry::Heading(_) | Entry::Failed(_) => rest(index, escape::latex(&entry.text())),
+                Entry::Failed(_) => {
+                    format!("\\multicolumn{{{}}}{{l}}{{{}}}", self.rest(index), escape::latex(&entry.text()))
+                }
                 _ if entry.is_bold() => format!("\\textbf{{{}}}", escape::latex(&entry.text())),
                 _ => escape::latex(&entry.text()),
             };

@@ -1,14 +1,11 @@
 //! The result of one case by one pipeline.
 
 use crate::case::Expect;
-use crate::child::{Ended, Guard, Ran};
-use crate::long::{self, Line, Long, Seen};
-use crate::seeds::Seeds;
-use crate::shown::Shown;
+use crate::isolated::Details;
 use crate::table::PLAIN;
-use metrics::{Epsilon, Glance, Image, Pair};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
+use study::{End, Interval, Measure, Outcome};
 
 /// Greatest difference of energy from the plain scene, where only units or the place differ.
 const SAME: f64 = 0.05;
@@ -59,7 +56,7 @@ impl Verdict {
 }
 
 /// One case by one pipeline.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Cell {
     /// The pipeline.
     pub pipeline: String,
@@ -67,27 +64,23 @@ pub struct Cell {
     pub case: String,
     /// The verdict.
     pub verdict: Verdict,
-    /// Mean luminance of the indirect light \[W/(m² sr)\], over its finite pixels.
+    /// Mean of the indirect light \[W/(m² sr)\].
     pub mean: Option<f64>,
     /// That mean as a share of the expected one; if that is the path tracer's, over the same share in the plain scene.
     /// The mean over `seeds`, if there are any.
     pub energy: Option<f64>,
-    /// Further seeds, if the energy of the first was off from the path tracer's.
-    #[serde(default)]
-    pub seeds: Option<Seeds>,
-    /// relMSE to the expected picture.
+    /// The energy by further seeds, if that of the first was off from the path tracer's: without the first, which was chosen
+    /// for being off.
+    pub seeds: Option<Interval>,
+    /// The energy of the first picture, if there are further seeds.
+    pub first: Option<f64>,
+    /// relMSE to the picture of the path tracer.
     pub error: Option<f64>,
-    /// Number of pixels with a value that is not finite.
-    pub not_finite: usize,
-    /// Number of pixels with a negative value.
-    pub negative: usize,
-    /// Guards that acted.
-    pub guards: Vec<Guard>,
-    /// The result of a long run.
-    pub long: Option<Long>,
-    /// The rendered and the expected picture of a defect.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub pictures: Vec<Shown>,
+    /// What the run reported beside its picture.
+    #[serde(flatten)]
+    pub details: Details,
+    /// The file of the picture, in the folder of the run.
+    pub image: Option<String>,
     /// The first line of the error if the program failed; the unexpected findings of a long run.
     pub message: String,
     /// From the start of the program to its end \[s\].
@@ -109,138 +102,69 @@ impl Cell {
     }
 }
 
-/// A picture with its mean and counts.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Picture {
-    /// The picture.
-    pub image: Image,
-    /// Mean and counts.
-    pub glance: Glance,
-}
-
-impl Picture {
-    /// Measures a picture.
-    pub fn new(image: Image) -> Picture {
-        Picture { glance: image.glance(), image }
-    }
-
-    /// Returns the picture times a factor.
-    fn times(&self, factor: f64) -> Image {
-        let mut image = self.image.clone();
-        for pixel in image.pixels_mut() {
-            pixel[..3].iter_mut().for_each(|x| *x = (f64::from(*x) * factor) as f32);
-        }
-        image
-    }
-}
-
-/// Pictures with which a case is compared.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Known<'a> {
-    /// The plain scene by the same pipeline.
-    pub plain: Option<&'a Picture>,
-    /// The plain scene by the path tracer.
-    pub plain_truth: Option<&'a Picture>,
-    /// The case by the path tracer.
-    pub truth: Option<&'a Picture>,
-    /// The frames of a long run.
-    pub lines: &'a [Line],
-}
-
-/// Evaluates a case: how the program ended, the indirect light and the whole picture that it wrote, and the known pictures.
-pub fn evaluate(
-    (pipeline, case, expect): (&str, &str, Expect),
-    ran: &Ran,
-    pictures: Option<(&Picture, &Picture)>,
-    known: Known<'_>,
+/// Evaluates a case by what was measured of it, and of the plain scene by the same pipeline.
+pub(crate) fn evaluate(
+    (case, expect): (&str, Expect),
+    found: &study::Cell,
+    plain: Option<&study::Cell>,
+    command: String,
 ) -> Cell {
+    let measure = |cell: &study::Cell, measure: Measure| cell.measures.get(measure.key()).copied().flatten();
+    let details: Option<Details> = serde_json::from_value(found.details.clone()).ok();
+    let has_picture = details.is_some();
+    let (mean, of_plain) =
+        (measure(found, Measure::Mean), plain.and_then(|cell| measure(cell, Measure::Mean)));
     let mut cell = Cell {
-        pipeline: pipeline.to_owned(),
+        pipeline: found.pipeline.clone(),
         case: case.to_owned(),
-        verdict: Verdict::Crashed,
-        mean: None,
+        verdict: Verdict::Held,
+        mean,
         energy: None,
         seeds: None,
-        error: None,
-        not_finite: 0,
-        negative: 0,
-        guards: ran.guards(),
-        long: None,
-        pictures: Vec::new(),
-        message: ran.message(),
-        seconds: ran.seconds,
-        command: ran.command.clone(),
+        first: None,
+        error: measure(found, Measure::RelMse),
+        details: details.unwrap_or_default(),
+        image: found.images.image.clone(),
+        message: match &found.outcome {
+            Outcome::Done => String::new(),
+            Outcome::Failed { error } => error.clone(),
+        },
+        seconds: found.seconds,
+        command,
     };
-    let is_written = |(indirect, whole): &(&Picture, &Picture)| {
-        ran.ended == Ended::Exit(0)
-            || (ran.ended == Ended::Exit(1) && indirect.glance.not_finite + whole.glance.not_finite > 0)
-    };
-    let Some((indirect, whole)) = pictures.filter(is_written) else {
-        cell.verdict = match ran.ended {
-            Ended::TimedOut => Verdict::TimedOut,
-            // A reported error contains the word; a panic does not.
-            Ended::Exit(1) if ran.errors.contains("error") && !ran.errors.contains("panicked") => {
-                Verdict::Refused
-            }
-            _ => Verdict::Crashed,
-        };
-        return cell;
-    };
-    cell.mean = Some(indirect.glance.mean);
-    cell.not_finite = indirect.glance.not_finite.max(whole.glance.not_finite);
-    cell.negative = indirect.glance.negative.max(whole.glance.negative);
-    let measure = |expected: &Image| {
-        let pair = Pair::new(&indirect.image, expected).ok();
-        pair.and_then(|pair| pair.rel_mse(Epsilon::default()))
-    };
-    let share = |of: &Picture, mean: f64| (mean > 0.0).then(|| of.glance.mean / mean);
-    let near = match expect {
+    let mean = mean.unwrap_or(0.0);
+    let is_near = match expect {
         Expect::Plain(factor) => {
-            cell.energy = known.plain.and_then(|plain| share(indirect, plain.glance.mean * factor));
-            cell.error = known.plain.and_then(|plain| measure(&plain.times(factor)));
+            cell.energy = of_plain.filter(|plain| *plain > 0.0).map(|plain| mean / (plain * factor));
             cell.energy.is_none_or(|energy| (energy - 1.0).abs() <= SAME)
         }
         Expect::Truth => {
-            cell.energy = known.truth.and_then(|truth| {
-                let plain = known.plain.zip(known.plain_truth).and_then(|(p, t)| share(p, t.glance.mean));
-                Some(share(indirect, truth.glance.mean)? / plain.unwrap_or(1.0))
-            });
-            cell.error = known.truth.and_then(|truth| measure(&truth.image));
+            let share = plain.and_then(|plain| measure(plain, Measure::Energy)).filter(|share| *share > 0.0);
+            cell.energy = measure(found, Measure::Energy).map(|energy| energy / share.unwrap_or(1.0));
             // Without light in the reference there is no ratio.
-            match known.truth.map_or(0.0, |truth| truth.glance.mean) {
-                0.0 => indirect.glance.mean == 0.0,
-                _ => cell.energy.is_some_and(|energy| ALIKE.contains(&energy)),
-            }
+            cell.energy.map_or(mean == 0.0, |energy| ALIKE.contains(&energy))
         }
-        Expect::Black => indirect.glance.mean <= NOTHING * known.plain.map_or(1.0, |plain| plain.glance.mean),
+        Expect::Black => mean <= NOTHING * of_plain.unwrap_or(1.0),
         Expect::Finite => true,
         Expect::Refused => false,
-        Expect::Steady(steady) => {
-            let most = |of: fn(&Seen) -> usize| {
-                let of_line = |line: &Line| of(&line.outputs.indirect).max(of(&line.outputs.image));
-                known.lines.iter().map(of_line).max().unwrap_or(0)
-            };
-            cell.not_finite = cell.not_finite.max(most(|seen| seen.glance.not_finite));
-            cell.negative = cell.negative.max(most(|seen| seen.glance.negative));
-            cell.long = long::evaluate(steady, known.lines);
-            cell.energy = cell.long.as_ref().map(|long| long.energy);
-            cell.message = cell.long.as_ref().map_or_else(
-                || format!("the log has {} frames, too few to evaluate", known.lines.len()),
+        Expect::Steady(_) => {
+            cell.energy = cell.details.long.as_ref().map(|long| long.energy);
+            cell.message = cell.details.long.as_ref().map_or_else(
+                || "the log has too few frames to evaluate".to_owned(),
                 |long| long.wrong.join("; "),
             );
             cell.message.is_empty()
         }
     };
-    cell.verdict = if cell.not_finite > 0 {
-        Verdict::NotFinite
-    } else if cell.negative > 0 {
-        Verdict::Negative
-    } else if near {
-        Verdict::Held
-    } else if matches!(expect, Expect::Steady(_)) {
-        Verdict::Unsteady
-    } else {
-        Verdict::Off
+    cell.verdict = match found.end {
+        End::TimedOut if !has_picture => Verdict::TimedOut,
+        End::Reported if !has_picture => Verdict::Refused,
+        _ if !has_picture => Verdict::Crashed,
+        _ if cell.details.not_finite > 0 => Verdict::NotFinite,
+        _ if cell.details.negative > 0 => Verdict::Negative,
+        _ if is_near => Verdict::Held,
+        _ if matches!(expect, Expect::Steady(_)) => Verdict::Unsteady,
+        _ => Verdict::Off,
     };
     cell
 }
@@ -249,66 +173,66 @@ pub fn evaluate(
 mod tests {
     use super::*;
 
-    fn picture(value: f32) -> Picture {
-        Picture::new(Image::from_fn(4, 4, |_, _| [value, value, value, 1.0]).unwrap())
-    }
-
-    fn ran(ended: Ended, errors: &str) -> Ran {
-        Ran {
-            ended,
-            output: String::new(),
-            errors: errors.to_owned(),
-            seconds: 0.1,
-            command: "lightloom render".to_owned(),
+    fn found(mean: f64, energy: Option<f64>, details: &Details) -> study::Cell {
+        let measures = [("mean", Some(mean)), ("energy", energy)];
+        study::Cell {
+            measures: measures.map(|(key, value)| (key.to_owned(), value)).into(),
+            details: serde_json::to_value(details).unwrap(),
+            ..study::Cell::default()
         }
     }
 
-    fn verdict(expect: Expect, value: f32, known: Known<'_>) -> (Verdict, Option<f64>) {
-        let picture = picture(value);
-        let cell =
-            evaluate(("ism", "case", expect), &ran(Ended::Exit(0), ""), Some((&picture, &picture)), known);
+    fn verdict(
+        expect: Expect,
+        (mean, energy): (f64, Option<f64>),
+        plain: Option<&study::Cell>,
+    ) -> (Verdict, Option<f64>) {
+        let cell = found(mean, energy, &Details::default());
+        let cell = evaluate(("case", expect), &cell, plain, String::new());
         (cell.verdict, cell.energy)
     }
 
     #[test]
     fn energy_is_compared_with_the_expectation() {
-        let [half, one, two] = [0.5, 1.0, 2.0].map(picture);
-        let plain =
-            Known { plain: Some(&half), plain_truth: Some(&one), truth: Some(&two), ..Known::default() };
-        assert_eq!(verdict(Expect::Plain(4.0), 2.0, plain), (Verdict::Held, Some(1.0)));
-        assert_eq!(verdict(Expect::Plain(4.0), 2.2, plain).0, Verdict::Off);
-        // Half the truth in the plain scene, and half of it here.
-        assert_eq!(verdict(Expect::Truth, 1.0, plain), (Verdict::Held, Some(1.0)));
-        assert_eq!(verdict(Expect::Truth, 2.5, plain).0, Verdict::Off);
-        assert_eq!(verdict(Expect::Truth, 0.3, plain).0, Verdict::Off);
-        assert_eq!(verdict(Expect::Black, 0.0, plain).0, Verdict::Held);
-        assert_eq!(verdict(Expect::Black, 0.01, plain).0, Verdict::Off);
-        assert_eq!(verdict(Expect::Refused, 0.01, plain).0, Verdict::Off);
+        // Half the truth in the plain scene.
+        let plain = found(0.5, Some(0.5), &Details::default());
+        let plain = Some(&plain);
+        assert_eq!(verdict(Expect::Plain(4.0), (2.0, None), plain), (Verdict::Held, Some(1.0)));
+        assert_eq!(verdict(Expect::Plain(4.0), (2.2, None), plain).0, Verdict::Off);
+        assert_eq!(verdict(Expect::Truth, (1.0, Some(0.5)), plain), (Verdict::Held, Some(1.0)));
+        assert_eq!(verdict(Expect::Truth, (2.5, Some(1.25)), plain).0, Verdict::Off);
+        assert_eq!(verdict(Expect::Truth, (0.3, Some(0.15)), plain).0, Verdict::Off);
+        assert_eq!(verdict(Expect::Truth, (0.0, None), plain).0, Verdict::Held, "both are black");
+        assert_eq!(verdict(Expect::Truth, (0.1, None), plain).0, Verdict::Off);
+        assert_eq!(verdict(Expect::Black, (0.0, None), plain).0, Verdict::Held);
+        assert_eq!(verdict(Expect::Black, (0.01, None), plain).0, Verdict::Off);
+        assert_eq!(verdict(Expect::Refused, (0.01, None), plain).0, Verdict::Off);
     }
 
     #[test]
     fn values_that_are_not_finite_or_negative_are_defects_whatever_is_expected() {
-        let known = Known::default();
-        assert_eq!(verdict(Expect::Finite, f32::NAN, known).0, Verdict::NotFinite);
-        assert_eq!(verdict(Expect::Finite, f32::INFINITY, known).0, Verdict::NotFinite);
-        assert_eq!(verdict(Expect::Finite, -1e-9, known).0, Verdict::Negative);
-        assert_eq!(verdict(Expect::Finite, 3.0, known).0, Verdict::Held);
+        let verdict = |not_finite, negative| {
+            let details = Details { not_finite, negative, ..Details::default() };
+            evaluate(("case", Expect::Finite), &found(3.0, None, &details), None, String::new()).verdict
+        };
+        assert_eq!(verdict(1, 0), Verdict::NotFinite);
+        assert_eq!(verdict(1, 1), Verdict::NotFinite);
+        assert_eq!(verdict(0, 1), Verdict::Negative);
+        assert_eq!(verdict(0, 0), Verdict::Held);
     }
 
     #[test]
-    fn how_the_program_ended_comes_first() {
-        let end = |ended, errors| {
-            evaluate(("ism", "case", Expect::Finite), &ran(ended, errors), None, Known::default())
+    fn how_the_process_ended_comes_first() {
+        let ended = |case: &str, end| {
+            let outcome = Outcome::Failed { error: "too large".to_owned() };
+            let cell = study::Cell { outcome, end, ..study::Cell::default() };
+            evaluate((case, Expect::Finite), &cell, None, String::new())
         };
-        assert_eq!(end(Ended::Exit(1), "error: too large\n").verdict, Verdict::Refused);
-        assert_eq!(end(Ended::Exit(1), "error: too large\n").message, "error: too large");
-        assert!(!end(Ended::Exit(1), "error: too large\n").is_defect());
-        let plain =
-            evaluate(("ism", PLAIN, Expect::Truth), &ran(Ended::Exit(1), "error"), None, Known::default());
-        assert!(plain.is_defect(), "{plain:?}");
-        assert_eq!(end(Ended::Exit(101), "thread 'main' panicked at src/main.rs").verdict, Verdict::Crashed);
-        assert_eq!(end(Ended::Signal(6), "").verdict, Verdict::Crashed);
-        assert_eq!(end(Ended::TimedOut, "").verdict, Verdict::TimedOut);
-        assert_eq!(end(Ended::Exit(0), "").verdict, Verdict::Crashed, "no picture");
+        let refused = ended("case", End::Reported);
+        assert_eq!((refused.verdict, refused.message.as_str()), (Verdict::Refused, "too large"));
+        assert!(!refused.is_defect());
+        assert!(ended(PLAIN, End::Reported).is_defect());
+        assert_eq!(ended("case", End::Crashed).verdict, Verdict::Crashed);
+        assert_eq!(ended("case", End::TimedOut).verdict, Verdict::TimedOut);
     }
 }

@@ -1,6 +1,6 @@
 //! The program that renders, as a process of its own.
 
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use serde_json::Value;
 use std::io;
 use std::path::PathBuf;
@@ -30,19 +30,6 @@ pub struct Ran {
     pub output: String,
     /// Its standard error.
     pub errors: String,
-    /// Its run time \[s\].
-    pub seconds: f64,
-    /// The command, as a user types it.
-    pub command: String,
-}
-
-/// A safeguard that acted on a value that was too large, too small or missing.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Guard {
-    /// Its name.
-    pub name: String,
-    /// Its extent: a share, a count, or a sentence.
-    pub value: String,
 }
 
 /// The errors that the program writes to standard error with `--json`.
@@ -93,25 +80,20 @@ impl Ran {
 
     /// Returns the guards that acted: repairs of the scene, light that clamping removed, and counters that are below the
     /// requested number of lights.
-    pub(crate) fn guards(&self) -> Vec<Guard> {
+    pub(crate) fn guards(&self) -> Vec<String> {
         let notes = self.errors.lines().filter_map(|line| line.strip_prefix("note: "));
-        let mut guards: Vec<Guard> =
-            notes.map(|note| Guard { name: "note".to_owned(), value: note.to_owned() }).collect();
+        let mut guards: Vec<String> = notes.map(|note| format!("note: {note}")).collect();
         let Ok(output) = serde_json::from_str::<Value>(&self.output) else { return guards };
         if let Some(share) = output["clamped_energy"].as_f64().filter(|share| *share > 0.0) {
-            guards.push(Guard {
-                name: "clamping".to_owned(),
-                value: format!("removed {:.2} %", share * 100.0),
-            });
+            guards.push(format!("clamping: removed {:.2} %", share * 100.0));
         }
         for figures in output["figures"].as_array().into_iter().flatten() {
             let number = |name: &str| figures[name].as_f64();
             if let (Some(produced), Some(requested)) = (number("produced"), number("requested"))
                 && produced < requested
             {
-                let value =
-                    format!("{produced} of {requested} in {}", figures["of"].as_str().unwrap_or_default());
-                guards.push(Guard { name: "produced".to_owned(), value });
+                let of = figures["of"].as_str().unwrap_or_default();
+                guards.push(format!("produced: {produced} of {requested} in {of}"));
             }
         }
         guards
@@ -162,7 +144,6 @@ impl Program for Child {
         let read = |file: &tempfile::NamedTempFile| {
             Ok::<_, io::Error>(String::from_utf8_lossy(&std::fs::read(file.path())?).into_owned())
         };
-        let words = arguments.iter().filter(|word| *word != "--json");
         Ok(Ran {
             ended: match status {
                 None => Ended::TimedOut,
@@ -170,8 +151,6 @@ impl Program for Child {
             },
             output: read(&output)?,
             errors: read(&errors)?,
-            seconds: begun.elapsed().as_secs_f64(),
-            command: format!("lightloom {}", words.cloned().collect::<Vec<_>>().join(" ")),
         })
     }
 }

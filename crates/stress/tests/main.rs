@@ -6,7 +6,10 @@ use metrics::Image;
 use std::collections::HashSet;
 use std::path::Path;
 use std::time::Duration;
-use stress::{Ended, Expect, Options, Program, Ran, Subject, Verdict, cases, of_pairs, of_settings};
+use stress::{
+    Case, Cell, Ended, Expect, Options, Program, Ran, Subject, Verdict, cases, of_pairs, of_settings,
+};
+use study::{CellRun, Failure, Laboratory, Observed, Occluded, RunOptions, RunRequest, Shard, Step};
 
 /// No files but those on disk.
 struct Nothing;
@@ -111,108 +114,159 @@ struct Says(&'static str);
 
 impl Program for Says {
     fn run(&self, _: &[String], _: Duration) -> std::io::Result<Ran> {
-        let (output, command) = (String::new(), "lightloom render".to_owned());
-        Ok(Ran { ended: Ended::Exit(1), output, errors: self.0.to_owned(), seconds: 0.1, command })
+        Ok(Ran { ended: Ended::Exit(1), output: String::new(), errors: self.0.to_owned() })
     }
 }
 
-fn subject() -> Subject {
-    let name = "ism".to_owned();
-    Subject { name, settable: Vec::new(), bounces: 1, sampled: false, cases: Vec::new() }
+/// What runs depend on: nothing.
+struct Known;
+
+impl Laboratory for Known {
+    fn adapter(&self) -> String {
+        "none".to_owned()
+    }
+
+    fn identity(&mut self, _: &RunRequest) -> Result<u128, Failure> {
+        Ok(0)
+    }
+
+    fn run(
+        &mut self,
+        _: &RunRequest,
+        _: &mut dyn FnMut(Observed) -> Result<(), Failure>,
+        _: &mut dyn FnMut(Step),
+    ) -> Result<CellRun, Failure> {
+        unreachable!("processes render")
+    }
+
+    fn occluded(&mut self, _: &str, _: u32) -> Result<Occluded, Failure> {
+        unreachable!("nothing asks for it")
+    }
 }
 
-fn options(folder: &Path) -> Options {
-    Options {
+fn run(program: &dyn Program, cases: &[Case], folder: &Path) -> Vec<Cell> {
+    run_part(program, cases, folder, None)
+}
+
+fn run_part(program: &dyn Program, cases: &[Case], folder: &Path, shard: Option<Shard>) -> Vec<Cell> {
+    let name = "ism".to_owned();
+    let subject = Subject { name, settable: Vec::new(), bounces: 1, sampled: false, cases: Vec::new() };
+    let options = Options {
         folder: folder.to_owned(),
-        size: (8, 8),
+        size: (2, 2),
         set: Vec::new(),
         samples: 4,
         set_reference: Vec::new(),
         limit: Duration::from_secs(1),
-    }
+        study: RunOptions { shard, ..RunOptions::default() },
+    };
+    stress::run((program, &mut Known), &[subject], cases, &options, &mut |_| {}).unwrap().1
 }
 
 /// A full disk says nothing of a pipeline.
 #[test]
 fn pictures_that_cannot_be_written_are_no_refusals() {
-    let folder = tempfile::tempdir().unwrap();
-    let (subject, options) = (subject(), options(folder.path()));
-    let run =
-        |says| stress::run(&Says(says), std::slice::from_ref(&subject), &cases()[..2], &options, &mut |_| {});
+    let said = |says| {
+        let folder = tempfile::tempdir().unwrap();
+        let cells = run(&Says(says), &cases()[..2], folder.path());
+        (cells[1].verdict, cells[1].message.clone())
+    };
     let full = "note: a repair\n{\n  \"errors\": [{\n \"message\": \"the picture a.exr was not written\", \
                 \"help\": [\"a.exr: No space left on device\"]\n}]}\n";
-    let told = run(full).unwrap_err().to_string();
-    assert_eq!(told, "a picture could not be written: a.exr: No space left on device");
-    let refused = run("{\"warnings\": []}\n{\"errors\": [{\"message\": \"no {light}\"}]}\n").unwrap();
-    assert_eq!((refused[1].verdict, refused[1].message.as_str()), (Verdict::Refused, "no {light}"));
+    let (verdict, message) = said(full);
+    assert_eq!(verdict, Verdict::Crashed);
+    assert!(message.ends_with("a picture could not be written: a.exr: No space left on device"), "{message}");
+    let refused = said("{\"warnings\": []}\n{\"errors\": [{\"message\": \"no {light}\"}]}\n");
+    assert_eq!(refused, (Verdict::Refused, "no {light}".to_owned()));
+    assert_eq!(said("thread 'main' panicked at error.rs").0, Verdict::Crashed);
 }
 
-/// A program that renders grey: the reference and the plain scene 1, and the case by seed.
-struct Grey(fn(u32) -> f32);
+/// A program that renders grey: the reference and the plain scene 1, and the case by seed. It counts its runs.
+struct Grey(fn(u32) -> f32, Cell32);
+
+type Cell32 = std::cell::Cell<u32>;
 
 impl Program for Grey {
     fn run(&self, arguments: &[String], _: Duration) -> std::io::Result<Ran> {
+        self.1.set(self.1.get() + 1);
         let after = |name: &str| {
             let at = arguments.iter().position(|argument| argument == name)?;
             arguments.get(at + 1)
         };
-        let is_case = arguments.iter().any(|argument| argument.ends_with("frame-2x2.ron"));
+        let is_case = arguments.iter().any(|argument| argument.ends_with("frame-1x1.ron"));
         let grey = match after("--seed").map_or(0, |seed| seed.parse().unwrap()) {
             seed if is_case && arguments[2] != stress::REFERENCE => self.0(seed),
             _ => 1.0,
         };
-        // Of 8×8 pixels 4 each, so of 2×2 pixels 64.
+        // Of 2×2 pixels 4 each, so of one pixel 16.
         if arguments[2] == stress::REFERENCE {
-            let samples = if is_case { "samples=64" } else { "samples=4" };
+            let samples = if is_case { "samples=16" } else { "samples=4" };
             assert!(arguments.iter().any(|argument| argument == samples), "{arguments:?}");
         }
-        let picture = Image::from_fn(2, 2, |_, _| [grey, grey, grey, 1.0]).unwrap();
+        let side = if is_case { 1 } else { 2 };
+        let picture = Image::from_fn(side, side, |_, _| [grey, grey, grey, 1.0]).unwrap();
         let stem = after("-o").unwrap().trim_end_matches(".exr");
         for output in ["indirect", "image"] {
             picture.write(format!("{stem}-{output}.exr"), metrics::Display::default(), None).unwrap();
         }
-        let command = arguments.join(" ");
-        Ok(Ran { ended: Ended::Exit(0), output: String::new(), errors: String::new(), seconds: 0.1, command })
+        Ok(Ran { ended: Ended::Exit(0), output: String::new(), errors: String::new() })
     }
 }
 
 /// Only the mean over seeds tells a picture of few lights from one that is wrong.
 #[test]
 fn energy_that_is_off_is_judged_by_further_seeds() {
+    let case: Vec<Case> = cases().into_iter().filter(|case| case.name == "frame-1x1").collect();
     let run = |grey| {
         let folder = tempfile::tempdir().unwrap();
-        let case: Vec<_> = cases().into_iter().filter(|case| case.name == "frame-2x2").collect();
-        let (subject, options) = (subject(), options(folder.path()));
-        let cells =
-            stress::run(&Grey(grey), std::slice::from_ref(&subject), &case, &options, &mut |_| {}).unwrap();
-        let kept = folder.path().join("pictures/ism-frame-2x2.exr");
-        (cells[0].clone(), Image::read(&kept).ok().map(|picture| picture.pixels()[0][0]))
+        let cell = run(&Grey(grey, Cell32::new(0)), &case, folder.path()).swap_remove(0);
+        let kept = Image::read(folder.path().join(cell.image.as_ref().unwrap())).unwrap().pixels()[0][0];
+        (cell, kept)
     };
     let varies = |seed: u32| if seed.is_multiple_of(2) { 0.2 } else { 1.9 };
-    let (cell, kept) = run(varies);
+    let (cell, _) = run(varies);
     let seeds = cell.seeds.unwrap();
-    assert_eq!((cell.verdict, kept), (Verdict::Held, None));
-    assert!(cell.pictures.is_empty(), "nothing is wrong with it");
-    assert!((seeds.energy - 1.05).abs() < 1e-6 && cell.energy == Some(seeds.energy), "{seeds:?}");
-    assert!((seeds.first - 0.2).abs() < 1e-6 && seeds.half_width > 0.3, "{seeds:?}");
+    assert_eq!(cell.verdict, Verdict::Held);
+    assert!((seeds.mean - 1.05).abs() < 1e-6 && cell.energy == Some(seeds.mean), "{seeds:?}");
+    assert!((cell.first.unwrap() - 0.2).abs() < 1e-6 && seeds.half.unwrap() > 0.3, "{cell:?}");
 
     let is_dark = |seed: u32| if seed.is_multiple_of(2) { 0.2 } else { 0.5 };
     let (cell, kept) = run(is_dark);
-    assert_eq!((cell.verdict, kept), (Verdict::Off, Some(0.2)), "the first picture is kept");
+    assert_eq!((cell.verdict, kept), (Verdict::Off, 0.2), "the first picture is kept");
     assert!((cell.energy.unwrap() - 0.35).abs() < 1e-6, "{cell:?}");
-    assert_eq!(cell.pictures.len(), 2, "what was rendered and what was expected");
-    let page = stress::html(std::slice::from_ref(&cell), &cases(), "");
-    assert!(page.contains("img-src data:"), "the page may show them");
-    for shown in &cell.pictures {
-        assert!(page.contains(&format!("src=\"data:image/png;base64,{}\"", shown.png)), "{}", shown.about);
-    }
+    let tables = stress::tables(std::slice::from_ref(&cell), &cases());
+    let texts: Vec<String> = tables.iter().map(report::Table::text).collect();
+    assert!(texts[0].contains("0.35") && texts[1].contains(&cell.command), "{texts:?}");
 
     let breaks = |seed: u32| if seed == 7 { f32::NAN } else { 0.2 };
     let (cell, kept) = run(breaks);
     assert_eq!(cell.verdict, Verdict::NotFinite);
-    assert!(kept.unwrap().is_nan(), "the picture with the defect is kept");
+    assert!(kept.is_nan(), "the picture with the defect is kept");
     assert!(cell.command.contains("--seed 7"), "{}", cell.command);
 
     let (cell, _) = run(|seed| if seed == 0 { 1.5 } else { 0.0 });
     assert_eq!((cell.verdict, cell.seeds), (Verdict::Held, None), "what holds at once is not repeated");
+}
+
+/// A run that was stopped goes on, and its parts come to the same: what is finished does not run again.
+#[test]
+fn what_is_finished_does_not_run_again() {
+    let folders = [(); 4].map(|()| tempfile::tempdir().unwrap());
+    let [whole, first, second, merged] = folders.each_ref().map(|folder| folder.path());
+    let grey = Grey(|_| 1.2, Cell32::new(0));
+    let case: Vec<Case> = cases().into_iter().filter(|case| case.name == "frame-1x1").collect();
+    let cells = run(&grey, &case, whole);
+    let runs = grey.1.get();
+    assert_eq!(runs, 4, "the plain scene and the case, each by the pipeline and the path tracer");
+    assert_eq!(run(&grey, &case, whole), cells);
+    assert_eq!(grey.1.get(), runs);
+
+    for (folder, part) in [(first, 1), (second, 2)] {
+        run_part(&grey, &case, folder, Some(Shard { part, parts: 2 }));
+    }
+    study::merge(&[first.to_owned(), second.to_owned()], merged).unwrap();
+    let runs = grey.1.get();
+    let of_parts = run(&grey, &case, merged);
+    assert_eq!(grey.1.get(), runs);
+    assert_eq!((of_parts[0].verdict, of_parts[0].energy), (cells[0].verdict, cells[0].energy));
 }

@@ -1,5 +1,6 @@
 //! Errors that end a study, and failures of single cells and references.
 
+use crate::record::End;
 use metrics::{Image, ImageError};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -65,6 +66,12 @@ pub enum Failure {
         /// The system's reason.
         source: Arc<std::io::Error>,
     },
+    /// The process of a cell ended by a signal, a panic, or without what it was to write.
+    #[error("the process crashed: {0}")]
+    Crashed(String),
+    /// The process of a cell was killed at its time limit.
+    #[error("the process did not end within {} s", .0.as_secs())]
+    TimedOut(std::time::Duration),
     /// Passes have no times.
     #[error("this adapter cannot time passes, which a budget of time needs")]
     Untimed,
@@ -106,6 +113,16 @@ pub enum Failure {
 }
 
 impl Failure {
+    /// Returns how the process of the cell ended.
+    pub(crate) fn end(&self) -> End {
+        match self {
+            Failure::Crashed(_) => End::Crashed,
+            Failure::TimedOut(_) => End::TimedOut,
+            Failure::At { source, .. } => source.end(),
+            _ => End::Reported,
+        }
+    }
+
     /// Wraps an error of a scene, a pipeline or the device; or a text.
     pub fn render(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Failure {
         Failure::Render(error.into().into())

@@ -23,7 +23,7 @@ impl Interval {
     }
 
     /// Computes the interval of one value per seed; `None` if there are none.
-    pub(crate) fn of(values: &[f64]) -> Option<Interval> {
+    pub fn of(values: &[f64]) -> Option<Interval> {
         let first = *values.first()?;
         let half = if values.iter().all(|value| *value == first) { None } else { Summary::of(values) };
         Some(match half {

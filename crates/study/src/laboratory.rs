@@ -213,6 +213,8 @@ pub struct CellRun {
     pub provenance: String,
     /// Estimated relMSE of the pipeline's own picture, if it has an output `progress`.
     pub noise: Option<f64>,
+    /// What the laboratory reports beside measures, for the record.
+    pub details: serde_json::Value,
 }
 
 impl AxisValue {

@@ -37,11 +37,11 @@ pub use laboratory::{
 pub use measure::Measure;
 pub use merge::merge;
 pub use page::publish;
-pub use plan::{Plan, PlannedCell};
+pub use plan::{Plan, PlannedCell, Run};
 pub use record::{
-    Axis, AxisValue, Better, Cell, CellImages, Difference, FrameSeries, MeasureInfo, Memory, Outcome,
+    Axis, AxisValue, Better, Cell, CellImages, Difference, End, FrameSeries, MeasureInfo, Memory, Outcome,
     PassTime, PipelineRecord, ReferenceRecord, Results, SceneRecord, StudyRecord,
 };
-pub use report::{claims, report};
+pub use report::{claims, report, report_with};
 pub use run::{Event, Ran, RunOptions, Shard, ShardError, name_of, run};
 pub use table::{Row, write as write_tables};

@@ -8,7 +8,7 @@ use crate::description::{
 };
 use crate::laboratory::{PipelineFacts, Registry, RunRequest, SceneFacts, Values};
 use crate::measure::Measure;
-use crate::record::{Axis, AxisValue, Difference, MeasureInfo, PipelineRecord};
+use crate::record::{Axis, AxisValue, Difference, MeasureInfo, PipelineRecord, SceneRecord};
 use check::Checker;
 use frame_graph::{Diagnostics, Setting};
 use names::located;
@@ -36,6 +36,19 @@ pub struct Plan {
     pub(crate) references: Vec<PlannedReference>,
     /// The files that names of scenes, of the reference's pipeline and of its pictures mean, where they are others.
     meant: BTreeMap<String, String>,
+}
+
+/// A run of a plan that its study does not list.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Index of its scene.
+    pub scene: usize,
+    /// Index of its pipeline.
+    pub pipeline: usize,
+    /// The request.
+    pub request: RunRequest,
+    /// The request of its reference.
+    pub reference: Option<RunRequest>,
 }
 
 /// A cell before it runs.
@@ -140,6 +153,42 @@ impl Plan {
             }
         }
         Ok(plan)
+    }
+
+    /// Makes the plan of runs that a study does not list: of it, this takes the measures.
+    pub fn of_runs(
+        study: Study,
+        scenes: Vec<SceneRecord>,
+        pipelines: Vec<PipelineRecord>,
+        runs: Vec<Run>,
+    ) -> Plan {
+        let still = |record| SceneFacts { record, moves: false, seconds_per_frame: 0.0, small_length: 0.0 };
+        let mut plan = Plan {
+            measures: study.measures.iter().map(|at| at.value).collect(),
+            scenes: scenes.into_iter().map(still).collect(),
+            pipelines,
+            axes: Vec::new(),
+            differences: Vec::new(),
+            notes: Diagnostics::default(),
+            cells: Vec::new(),
+            references: Vec::new(),
+            meant: BTreeMap::new(),
+            study,
+        };
+        let study = &mut plan.study;
+        study.scenes = plan.scenes.iter().map(|scene| scene.record.name.clone().into()).collect();
+        study.seeds = runs.iter().map(|run| run.request.seed).collect();
+        study.seeds.sort_unstable();
+        study.seeds.dedup();
+        for Run { scene, pipeline, request, reference } in runs {
+            let reference = reference.map(|request| {
+                let (from, size) = (format!("pipeline {}", request.pipeline), request.size);
+                plan.planned(PlannedReference { scene, size, from, origin: Origin::Run(vec![request]) })
+            });
+            let axes = BTreeMap::new();
+            plan.cells.push(PlannedCell { scene, pipeline, axes, request, search: None, reference });
+        }
+        plan
     }
 
     /// The file that a name means.
@@ -312,11 +361,16 @@ impl Plan {
                 }
             }
         };
+        Some(self.planned(reference))
+    }
+
+    /// Returns the index of a reference, and adds it if it is new.
+    fn planned(&mut self, reference: PlannedReference) -> usize {
         let known = self.references.iter().position(|other| *other == reference);
-        Some(known.unwrap_or_else(|| {
+        known.unwrap_or_else(|| {
             self.references.push(reference);
             self.references.len() - 1
-        }))
+        })
     }
 }
 

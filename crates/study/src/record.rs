@@ -231,6 +231,12 @@ pub struct Cell {
     pub seed: u32,
     /// How it ended.
     pub outcome: Outcome,
+    /// How its process ended, if it failed.
+    #[serde(default)]
+    pub end: End,
+    /// What the laboratory reports beside measures.
+    #[serde(default, skip_serializing_if = "serde_json::Value::is_null")]
+    pub details: serde_json::Value,
     /// The measurements, by [`MeasureInfo::key`]; `None` for a measure that has no value here, never NaN.
     pub measures: BTreeMap<String, Option<f64>>,
     /// GPU time of each pass: the median over the measured frames, in the order of the plan.
@@ -277,6 +283,19 @@ pub enum Outcome {
         /// The error, for the user to read.
         error: String,
     },
+}
+
+/// How the process of a failed cell ended.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum End {
+    /// It reported the error.
+    #[default]
+    Reported,
+    /// By a signal, a panic, or without what it was to write.
+    Crashed,
+    /// It was killed at its time limit.
+    TimedOut,
 }
 
 /// GPU time of a pass.

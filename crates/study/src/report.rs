@@ -35,6 +35,14 @@ pub fn claims(results: &Results) -> Option<Table> {
 /// # Errors
 /// Fails if a file cannot be written. Pictures that cannot be read are no errors; the page reports them.
 pub fn report(results: &Results, folder: &Path) -> Result<Vec<PathBuf>, StudyError> {
+    report_with(results, folder, &[])
+}
+
+/// Writes a report as [`report`] does, with further tables at the top of the page.
+///
+/// # Errors
+/// Those of [`report`].
+pub fn report_with(results: &Results, folder: &Path, more: &[Table]) -> Result<Vec<PathBuf>, StudyError> {
     let digest = Digest::new(results);
     let figures = Figures::new(&digest);
     let tables: Vec<Table> = (0..digest.scenes.len())
@@ -44,14 +52,14 @@ pub fn report(results: &Results, folder: &Path) -> Result<Vec<PathBuf>, StudyErr
     let claims = table::of_claims(&digest);
     let pictures = Pictures::new(&digest, folder);
 
-    let page = page::page(&digest, &figures, (&tables, claims.as_ref()), &pictures);
+    let page = page::page(&digest, &figures, (more, &tables, claims.as_ref()), &pictures);
     let mut files = vec![(PathBuf::from("report.html"), page.into_bytes())];
     for figure in figures.all {
         files.push((Path::new(FIGURES).join(&figure.file), figure.drawing.svg().into_bytes()));
     }
     files.extend(pictures.insets.into_iter().map(|(name, bytes)| (Path::new(FIGURES).join(name), bytes)));
     let mut taken = BTreeSet::new();
-    for table in tables.iter().chain(&claims) {
+    for table in more.iter().chain(&tables).chain(&claims) {
         let name = figures::unique(&mut taken, &format!("{}.md", escape::file_name(&table.name)));
         let path = Path::new(TABLES).join(name);
         files.push((path.with_extension("tex"), table.latex().into_bytes()));

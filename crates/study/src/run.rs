@@ -288,6 +288,7 @@ impl Session<'_> {
             }
         };
         if let Some(error) = failure {
+            cell.end = error.end();
             cell.outcome = Outcome::Failed { error: error.to_string() };
         }
         cell.seconds = start.elapsed().as_secs_f64();
@@ -346,8 +347,8 @@ impl Session<'_> {
         let over_frames = matches!(plan.study.budget, Budget::Time { by: None, .. });
         let lab = &mut *self.lab;
         let found = evaluator.finish(&run, over_frames, &mut |frame| lab.occluded(&request.scene, frame));
-        let CellRun { memory, provenance, .. } = run;
-        (cell.memory, cell.provenance) = (memory, provenance);
+        let CellRun { memory, provenance, details, .. } = run;
+        (cell.memory, cell.provenance, cell.details) = (memory, provenance, details);
         Ok(found)
     }
 

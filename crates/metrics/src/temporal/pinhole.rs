@@ -3,7 +3,7 @@
 /// View space is right-handed and the camera looks along −`back`; the three axes are unit vectors at
 /// right angles. A point of the image is in pixels from its top left corner, y down, so that the
 /// centre of the first pixel is (0.5, 0.5); sizes are (width, height) in pixels.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Default, Clone, Copy, PartialEq)]
 pub struct Pinhole {
     /// Position in world space \[m\].
     pub position: [f64; 3],

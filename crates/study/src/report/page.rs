@@ -8,7 +8,7 @@ use super::digest::Digest;
 use super::figures::{Figure, Figures, Kind};
 use super::pictures::Pictures;
 use crate::Outcome;
-use report::escape::html;
+use report::escape::{self, html};
 use report::{Page, Table, number};
 
 /// The image viewer, which the script fills.
@@ -18,9 +18,9 @@ const SCRIPT: &str =
     concat!(include_str!("page.js"), "\n", include_str!("linear.js"), "\n", include_str!("pictures.js"));
 
 /// A section: its id, its name in the table of contents, and its text.
-struct Section {
-    id: &'static str,
-    name: &'static str,
+struct Section<'a> {
+    id: &'a str,
+    name: &'a str,
     body: String,
 }
 
@@ -28,7 +28,7 @@ struct Section {
 pub(super) fn page(
     digest: &Digest<'_>,
     figures: &Figures,
-    (tables, claims): (&[Table], Option<&Table>),
+    (more, tables, claims): (&[Table], &[Table], Option<&Table>),
     pictures: &Pictures,
 ) -> String {
     let results = digest.results;
@@ -51,8 +51,11 @@ pub(super) fn page(
         ),
     ];
     // Sections that few studies have.
-    let claims: Option<Section> =
-        claims.map(|table| Section { id: "claims", name: "Claims", body: table_body(table) });
+    let ids: Vec<String> = more.iter().map(|table| escape::file_name(&table.name)).collect();
+    let more =
+        more.iter().zip(&ids).map(|(table, id)| Section { id, name: &table.name, body: table_body(table) });
+    let claims = claims.map(|table| Section { id: "claims", name: "Claims", body: table_body(table) });
+    let claims: Vec<Section<'_>> = more.chain(claims).collect();
     let has_frames = figures.all.iter().any(|figure| figure.kind == Kind::Frames);
     let frames = has_frames.then(|| charts(Kind::Frames, "frames", "Frame by frame", ""));
     let costs = [
@@ -106,14 +109,14 @@ fn json(value: &impl serde::Serialize) -> String {
     text.replace('<', "\\u003c")
 }
 
-fn section(section: &Section) -> String {
+fn section(section: &Section<'_>) -> String {
     let Section { id, name, body } = section;
     format!(
         "<section id=\"{id}\" aria-labelledby=\"{id}-title\">\n<h2 id=\"{id}-title\">{name}</h2>\n{body}</section>\n"
     )
 }
 
-fn grid(sections: &[Section]) -> String {
+fn grid(sections: &[Section<'_>]) -> String {
     format!("<div class=grid>\n{}</div>\n", sections.iter().map(section).collect::<String>())
 }
 

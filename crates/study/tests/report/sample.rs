@@ -127,6 +127,7 @@ fn cell(
         seconds: 0.75,
         images: CellImages::default(),
         notes: Vec::new(),
+        ..Cell::default()
     }
 }
 

@@ -215,6 +215,7 @@ impl Laboratory for Fake {
             memory: Memory { unshared: 4 << 20, shared: 3 << 20, bound: 2 << 20, held: 3 << 20 },
             provenance: format!("{{\"pipeline\":\"{}\"}}", request.pipeline),
             noise: (request.pipeline == "truth").then_some(1e-6),
+            ..CellRun::default()
         })
     }
 

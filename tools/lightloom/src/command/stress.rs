@@ -1,22 +1,22 @@
 //! `lightloom stress`: every pipeline at the extremes.
 
 use super::lists::print;
+use super::study::{GpuLaboratory, Progress};
 use crate::context::{Context, parse_set, parse_size, set_text, unknown};
-use crate::output::{self, progress, stderr, stdout, write};
+use crate::output::{self, stdout, write};
 use anyhow::{Context as _, Result, bail};
 use frame_graph::{LinkContext, Overrides, Value};
-use renderer::{Compiled, compile_options};
+use renderer::{Compiled, Gpu, compile_options};
 use serde_json::json;
-use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
-use stress::{Case, Cell, Child, Event, Options, REFERENCE, Subject, Verdict};
-
-/// Interval at which the report is written while cells run.
-const BETWEEN_REPORTS: Duration = Duration::from_secs(20);
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+use stress::{Case, Cell, Child, Options, Program, REFERENCE, Subject, Verdict};
+use study::{Laboratory, RunOptions, Shard};
 
 /// Render extreme cases by every pipeline, and report the results.
 ///
-/// Each case is rendered in a process of its own. Cases are extremes of scale, place, light, camera, geometry and frames;
+/// Each case is rendered in a process of its own. Finished cells in the folder do not run again. Cases are extremes of scale, place, light, camera, geometry and frames;
 /// with --settings also both ends of the range of each setting. Exits with 1 if a picture is not finite, has negative values
 /// or another energy than expected, or if a run crashes. If the energy differs from the path tracer's, the mean over further
 /// seeds decides.
@@ -61,6 +61,12 @@ pub(crate) struct Args {
     /// Samples per pixel of the path tracer; cases of fewer pixels have the same total
     #[arg(long, default_value_t = 256)]
     samples: u32,
+    /// Run shard i of n, into a folder of its own; `study merge` joins shards, and the command without it then evaluates them
+    #[arg(long, value_name = "i/n")]
+    shard: Option<Shard>,
+    /// A folder for references, shared with other runs and shards
+    #[arg(long, value_name = "DIR")]
+    references: Option<PathBuf>,
     /// Time limit of one picture, in seconds
     #[arg(long, default_value_t = 120)]
     limit: u64,
@@ -74,6 +80,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         return Ok(());
     }
     let subjects = subjects(context, args)?;
+    let command = "lightloom stress -o DIR".to_owned();
     let options = Options {
         folder: args.out.clone(),
         size: args.size,
@@ -82,87 +89,64 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         set_reference: vec![("filter".to_owned(), "centre".to_owned())],
         samples: args.samples,
         limit: Duration::from_secs(args.limit),
+        study: RunOptions { shard: args.shard, references: args.references.clone(), command },
     };
     let root = context.catalog.assets().root().map(|root| root.display().to_string());
     let child = Child {
         path: std::env::current_exe().context("the program that runs does not know where it is")?,
         before: root.map_or_else(Vec::new, |root| vec!["--root".to_owned(), root]),
     };
-    let count: usize = subjects.iter().map(|subject| cases.len() + subject.cases.len()).sum();
-    let report = Report::new(args, &cases);
-    let bar = progress(count as u64, "stress");
-    let (mut finished, mut written) = (Vec::new(), Instant::now());
-    let cells = stress::run(&child, &subjects, &cases, &options, &mut |event| match event {
-        Event::Reference(case) => bar.set_message(format!("reference of {case}")),
-        Event::Done(cell) => {
-            bar.set_message(format!("{} {}", cell.pipeline, cell.case));
-            bar.inc(1);
-            if cell.is_defect() && !context.json {
-                bar.suspend(|| stdout!("{:<11} {} · {}", cell.verdict.word(), cell.pipeline, cell.case));
-            }
-            // A run that ends early leaves a report. A report that cannot be written is an error at the end.
-            finished.push(cell.clone());
-            if bar.is_hidden() {
-                stderr!("{}/{count} {} · {}", finished.len(), cell.pipeline, cell.case);
-            }
-            if written.elapsed() > BETWEEN_REPORTS {
-                let _ = report.write(&finished);
-                written = Instant::now();
-            }
-        }
-    })?;
-    bar.finish_and_clear();
-    let page = report.write(&cells)?;
-    let record = stress::json(&cells);
-    let defects = cells.iter().filter(|cell| cell.is_defect()).count();
+    let mut known = GpuLaboratory::new(Arc::clone(&context.catalog), Gpu::open()?);
+    let mut progress = Progress::new();
+    let lab = (&child as &dyn Program, &mut known as &mut dyn Laboratory);
+    let (mut results, cells) =
+        stress::run(lab, &subjects, &cases, &options, &mut |event| progress.report(event))?;
+    progress.finish();
+    results.study.about = about(args);
+    study::report_with(&results, &args.out, &stress::tables(&cells, &shown(args, &cases)))?;
+    let page = args.out.join("report.html");
+    write(&args.out.join("cells.json"), &format!("{:#}\n", stress::json(&cells)))?;
+    let defects: Vec<&Cell> = cells.iter().filter(|cell| cell.is_defect()).collect();
     if context.json {
+        let record = stress::json(&cells);
         output::json(&json!({ "report": page, "verdicts": record["verdicts"], "cells": record["cells"] }));
     } else {
+        for cell in &defects {
+            stdout!("{:<11} {} · {}", cell.verdict.word(), cell.pipeline, cell.case);
+        }
         let count = |verdict| cells.iter().filter(|cell| cell.verdict == verdict).count();
         stdout!(
-            "{} of {} held, {} refused with a reason, {} took too long, {defects} did not hold",
+            "{} of {} held, {} refused with a reason, {} took too long, {} did not hold",
             count(Verdict::Held),
             cells.len(),
             count(Verdict::Refused),
-            count(Verdict::TimedOut)
+            count(Verdict::TimedOut),
+            defects.len()
         );
         stdout!("{}", page.display());
     }
-    if defects > 0 {
-        bail!("{defects} of {} cells did not hold; {} has the command for each", cells.len(), page.display());
+    if !defects.is_empty() {
+        let (count, all) = (defects.len(), cells.len());
+        bail!("{count} of {all} cells did not hold; {} has the command for each", page.display());
     }
     Ok(())
 }
 
-/// The report of the finished cells.
-struct Report<'a> {
-    folder: &'a Path,
-    cases: Vec<Case>,
-    about: String,
+fn about(args: &Args) -> String {
+    format!(
+        "Lightloom {}; frames of {}×{}; {}; references of {} samples per pixel.",
+        env!("CARGO_PKG_VERSION"),
+        args.size.0,
+        args.size.1,
+        args.set.iter().map(set_text).collect::<Vec<_>>().join(", "),
+        args.samples
+    )
 }
 
-impl<'a> Report<'a> {
-    fn new(args: &'a Args, cases: &[Case]) -> Report<'a> {
-        let long = args.long.map(|frames| stress::long(frames, false));
-        let about = format!(
-            "Lightloom {}; frames of {}×{}; {}; references of {} samples per pixel.",
-            env!("CARGO_PKG_VERSION"),
-            args.size.0,
-            args.size.1,
-            args.set.iter().map(set_text).collect::<Vec<_>>().join(", "),
-            args.samples
-        );
-        let cases = cases.iter().cloned().chain(long.into_iter().flatten()).collect();
-        Report { folder: &args.out, cases, about }
-    }
-
-    /// Writes the table as JSON and as a page; returns the path of the page.
-    fn write(&self, cells: &[Cell]) -> Result<PathBuf> {
-        let page = self.folder.join("report.html");
-        write(&self.folder.join("cells.json"), &format!("{:#}\n", stress::json(cells)))?;
-        write(&page, &stress::html(cells, &self.cases, &self.about))?;
-        Ok(page)
-    }
+/// Returns the cases that the page has rows for.
+fn shown(args: &Args, cases: &[Case]) -> Vec<Case> {
+    let long = args.long.map(|frames| stress::long(frames, false));
+    cases.iter().cloned().chain(long.into_iter().flatten()).collect()
 }
 
 /// Returns the cases of these names; all if there are none. `far*` stands for all that begin with `far`.

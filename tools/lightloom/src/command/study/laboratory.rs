@@ -21,6 +21,9 @@ use xxhash_rust::xxh3::xxh3_128;
 /// Gap between a ray and the surfaces at its ends, as a share of its length.
 const OFF_SURFACE: f32 = 1e-3;
 
+/// The most triangles of a scene that is kept while others are rendered.
+const MOST_KEPT: usize = 1 << 20;
+
 /// Renders on a device, each run with a renderer of its own, so that cells are independent.
 pub(crate) struct GpuLaboratory {
     catalog: Arc<Catalog>,
@@ -43,6 +46,8 @@ impl GpuLaboratory {
 
     fn scene(&mut self, name: &str) -> Result<&Scene, Failure> {
         if !self.scenes.contains_key(name) {
+            // A scene of gigabytes is not kept beside others.
+            self.scenes.retain(|_, scene| scene.triangles() < MOST_KEPT);
             let scene = load_scene(&self.catalog, name).map_err(Failure::render)?;
             self.scenes.insert(name.to_owned(), scene);
         }
@@ -76,7 +81,7 @@ impl GpuLaboratory {
         };
         let provenance =
             Provenance::new(&renderer, &request.scene, (&request.output, 0), request.first_frame).to_json();
-        Ok(CellRun { memory, provenance, noise })
+        Ok(CellRun { memory, provenance, noise, ..CellRun::default() })
     }
 }
 
