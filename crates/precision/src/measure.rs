@@ -131,14 +131,16 @@ pub fn measure(probe: &Probe, evaluator: &dyn Evaluator, options: &Options) -> R
     let samples = options.samples.min(probe.most_samples).max(1);
     let count = options.magnitudes.max(2);
     let (low, high) = (probe.range.0.ln(), probe.range.1.ln());
-    let mut random = Random(options.seed);
+    let mut random = fastrand::Rng::with_seed(options.seed);
+    // `f32` has multiples of 2^-24.
+    let mut number = || f64::from(random.u32(..1 << 24)) * ROUNDING;
     let mut magnitudes = Vec::with_capacity(count);
     let mut given = Vec::with_capacity(count * samples);
     for i in 0..count {
         let magnitude = (low + (high - low) * i as f64 / (count - 1) as f64).exp();
         magnitudes.push(f64::from(magnitude as f32));
         for _ in 0..samples {
-            given.push(probe.given(f64::from(magnitude as f32), std::array::from_fn(|_| random.number()))?);
+            given.push(probe.given(f64::from(magnitude as f32), std::array::from_fn(|_| number()))?);
         }
     }
     let results = evaluator.evaluate(probe, &given)?;
@@ -160,7 +162,7 @@ pub fn measure(probe: &Probe, evaluator: &dyn Evaluator, options: &Options) -> R
             errors.push(error(probe.compared, expected, result));
             let mut most: f64 = 0.0;
             for _ in 0..CHANGES {
-                let changed = given.map_floats(&mut |x| changed(x, random.number() < 0.5));
+                let changed = given.map_floats(&mut |x| changed(x, number() < 0.5));
                 most = most.max(error(probe.compared, expected, probe.interpret::<f64>(&changed)?));
             }
             unavoidable.push(most + ROUNDING);
@@ -209,19 +211,5 @@ fn error(compared: Compared, expected: [f64; 4], result: [f64; 4]) -> f64 {
             let difference = std::array::from_fn(|i| result[i] - expected[i]);
             relative(length(difference), length(expected))
         }
-    }
-}
-
-/// SplitMix64 (Steele et al. 2014).
-struct Random(u64);
-
-impl Random {
-    /// In [0, 1), a multiple of 2^-24: `f32` has it.
-    fn number(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f64 * ROUNDING
     }
 }

@@ -44,14 +44,14 @@ pub fn of_pairs(settable: &[Settable], count: usize, seed: u64) -> Vec<Case> {
             ends(settable).into_iter().map(move |value| (i, settable.path.clone(), value))
         })
         .collect();
-    let mut random = Random(seed);
+    let mut random = fastrand::Rng::with_seed(seed);
     let mut cases: Vec<Case> = Vec::new();
     // Few settings have few pairs.
     for _ in 0..count * 8 {
         if cases.len() == count || all.is_empty() {
             break;
         }
-        let [a, b] = [(); 2].map(|()| &all[random.below(all.len())]);
+        let [a, b] = [(); 2].map(|()| &all[random.usize(..all.len())]);
         if a.0 < b.0 {
             let case = one(&[(a.1.clone(), a.2.clone()), (b.1.clone(), b.2.clone())]);
             if !cases.contains(&case) {
@@ -69,17 +69,4 @@ fn one(values: &[(String, Value)]) -> Case {
     let set = values.iter().map(|(path, value)| (path.clone(), value.to_argument())).collect();
     let about = format!("`{}`.", texts.join("`, `"));
     Case { set, ..Case::new(group, &texts.join(","), about, Expect::Finite) }
-}
-
-/// SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, end: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % end.max(1) as u64) as usize
-    }
 }
