@@ -44,4 +44,4 @@ pub use record::{
 };
 pub use report::{claims, report, report_with};
 pub use run::{Event, Ran, RunOptions, Shard, ShardError, name_of, run};
-pub use table::{Row, write as write_tables};
+pub use table::write as write_tables;

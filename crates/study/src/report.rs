@@ -12,8 +12,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::io;
 use crate::{Results, StudyError, folder};
-use digest::Digest;
-pub(crate) use digest::distinct;
+pub(crate) use digest::{Digest, distinct};
 use figures::Figures;
 use pictures::Pictures;
 use report::{Table, escape};

@@ -58,7 +58,7 @@ fn decompose(cells: &[Cell], done: &[usize], folder: &Path) -> Result<Option<Dec
 }
 
 /// Returns the indices of cells that differ only in their seeds, in order.
-pub(crate) fn groups(cells: &[Cell]) -> Vec<Vec<usize>> {
+fn groups(cells: &[Cell]) -> Vec<Vec<usize>> {
     let same = |a: &Cell, b: &Cell| a.scene == b.scene && a.pipeline == b.pipeline && a.axes == b.axes;
     let mut groups: Vec<Vec<usize>> = Vec::new();
     for (index, cell) in cells.iter().enumerate() {

@@ -3,49 +3,9 @@
 
 use crate::error::StudyError;
 use crate::folder::write as write_file;
-use crate::interval::Interval;
-use crate::record::{AxisValue, Cell, MeasureInfo, Outcome, Results};
-use crate::seeds::groups;
-use std::collections::BTreeMap;
+use crate::record::{Cell, MeasureInfo, Outcome, Results};
+use crate::report::Digest;
 use std::path::Path;
-
-/// The cells that differ only in their seeds.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Row<'a> {
-    /// The scene.
-    pub scene: &'a str,
-    /// The pipeline.
-    pub pipeline: &'a str,
-    /// Value of each axis that the pipeline has.
-    pub axes: &'a BTreeMap<String, AxisValue>,
-    /// The cells, one per seed.
-    pub cells: Vec<&'a Cell>,
-}
-
-impl Results {
-    /// Returns the cells grouped by everything except their seeds, in the order of the study.
-    pub fn rows(&self) -> Vec<Row<'_>> {
-        groups(&self.cells)
-            .into_iter()
-            .map(|group| {
-                let first = &self.cells[group[0]];
-                let cells = group.iter().map(|index| &self.cells[*index]).collect();
-                Row { scene: &first.scene, pipeline: &first.pipeline, axes: &first.axes, cells }
-            })
-            .collect()
-    }
-}
-
-impl Row<'_> {
-    /// Returns a measure over the seeds; `None` if no cell has it. Failed cells are left out, even if they
-    /// have measurements: those are only in `cells.csv`.
-    pub fn figure(&self, measure: &str) -> Option<Interval> {
-        let done = self.cells.iter().filter(|cell| cell.outcome == Outcome::Done);
-        let values: Vec<f64> =
-            done.filter_map(|cell| cell.measures.get(measure).copied().flatten()).collect();
-        Interval::of(&values)
-    }
-}
 
 /// Writes the three tables into a folder.
 ///
@@ -106,9 +66,9 @@ fn cells(results: &Results) -> String {
 
 fn summary(results: &Results) -> String {
     let mut lines = Lines::new(results, &["measure", "unit", "seeds", "mean", "half_width_95"]);
-    for row in results.rows() {
+    for row in Digest::new(results).rows {
         for info in &results.study.measures {
-            let figure = row.figure(&info.key);
+            let figure = row.summary(&info.key);
             let text = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
             let seeds = figure.map_or(0, |figure| figure.seeds).to_string();
             let mean = text(figure.map(|figure| figure.mean));
@@ -180,24 +140,7 @@ fn quoted(field: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{Row, quoted};
-    use crate::{Cell, Outcome};
-    use std::collections::BTreeMap;
-
-    fn cell(value: f64, outcome: Outcome) -> Cell {
-        let measures = BTreeMap::from([("rmse".to_owned(), Some(value))]);
-        Cell { outcome, measures, ..Cell::default() }
-    }
-
-    #[test]
-    fn cells_that_failed_take_no_part_in_means() {
-        let failed = Outcome::Failed { error: "1 pixel is NaN".into() };
-        let cells = [cell(1.0, Outcome::Done), cell(3.0, Outcome::Done), cell(1e9, failed)];
-        let axes = BTreeMap::new();
-        let row = Row { scene: "", pipeline: "", axes: &axes, cells: cells.iter().collect() };
-        let figure = row.figure("rmse").unwrap();
-        assert_eq!((figure.seeds, figure.mean), (2, 2.0));
-    }
+    use super::quoted;
 
     #[test]
     fn fields_that_need_quotes_have_them() {

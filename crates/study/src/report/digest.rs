@@ -10,20 +10,20 @@ use crate::{Axis, AxisValue, Cell, Interval, MeasureInfo, Outcome, Results};
 const TIME: &str = "gpu-ms";
 
 /// Results in the order in which tables and charts show them.
-pub(super) struct Digest<'a> {
+pub(crate) struct Digest<'a> {
     pub(super) results: &'a Results,
     /// Names of the scenes: in the order of the study, then any that only cells name.
     pub(super) scenes: Vec<&'a str>,
     /// Names of the pipelines, likewise.
     pub(super) pipelines: Vec<&'a str>,
     /// Rows by scene, pipeline and values, in the study's order.
-    pub(super) rows: Vec<Row<'a>>,
+    pub(crate) rows: Vec<Row<'a>>,
     /// The values that each axis takes among the rows, in the study's order.
     pub(super) taken: Vec<Vec<&'a AxisValue>>,
 }
 
 /// A scene, a pipeline and a value of each axis.
-pub(super) struct Row<'a> {
+pub(crate) struct Row<'a> {
     /// Index into [`Digest::scenes`].
     pub(super) scene: usize,
     /// Index into [`Digest::pipelines`].
@@ -31,11 +31,11 @@ pub(super) struct Row<'a> {
     /// Value of each of the study's axes; `None` if the cells do not have it.
     pub(super) values: Vec<Option<&'a AxisValue>>,
     /// The cells, sorted by seed.
-    pub(super) cells: Vec<&'a Cell>,
+    pub(crate) cells: Vec<&'a Cell>,
 }
 
 impl<'a> Digest<'a> {
-    pub(super) fn new(results: &'a Results) -> Digest<'a> {
+    pub(crate) fn new(results: &'a Results) -> Digest<'a> {
         let study = &results.study;
         let cells = || results.cells.iter();
         let scenes = study.scenes.iter().map(|scene| &*scene.name);
@@ -162,8 +162,9 @@ impl Row<'_> {
         Some((first, 1 + errors.count()))
     }
 
-    /// Returns mean and interval of a measure over the seeds; `None` if no seed has it.
-    pub(super) fn summary(&self, key: &str) -> Option<Interval> {
+    /// Returns mean and interval of a measure over the seeds; `None` if no seed has it. Failed cells are left out, even if
+    /// they have measurements: those are only in `cells.csv`.
+    pub(crate) fn summary(&self, key: &str) -> Option<Interval> {
         self.over(|cell| cell.measures.get(key).copied().flatten())
     }
 
@@ -260,4 +261,23 @@ pub(crate) fn distinct<T: PartialEq>(all: impl IntoIterator<Item = T>) -> Vec<T>
 
 fn position(names: &[&str], name: &str) -> usize {
     names.iter().position(|n| *n == name).unwrap_or(names.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cells_that_failed_take_no_part_in_means() {
+        let cell = |value: f64, outcome| Cell {
+            outcome,
+            measures: BTreeMap::from([("rmse".to_owned(), Some(value))]),
+            ..Cell::default()
+        };
+        let failed = Outcome::Failed { error: "1 pixel is NaN".into() };
+        let cells = [cell(1.0, Outcome::Done), cell(3.0, Outcome::Done), cell(1e9, failed)];
+        let row = Row { scene: 0, pipeline: 0, values: Vec::new(), cells: cells.iter().collect() };
+        let mean = row.summary("rmse").unwrap();
+        assert_eq!((mean.seeds, mean.mean), (2, 2.0));
+    }
 }

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::time::SystemTime;
-use study::{Outcome, Results, RunOptions, Shard, Verdict};
+use study::{AxisValue, Interval, Outcome, Results, RunOptions, Shard, Verdict};
 
 const SWEEP: &str = "vary: Grid({ \"lights\": [16, 64, 256] }), seeds: 2, budget: Frames(3),
     measures: [\"rmse\", \"energy\", \"bias2\", \"variance\", \"gpu-ms\", \"memory\"], reference: Pipeline(pipeline: \"truth\")";
@@ -67,12 +67,14 @@ fn bias_and_variance_have_intervals() {
     let results = run(&plan(study(fields)), &mut Fake::default(), folder.path()).unwrap().results;
     // Errors 1.5, −0.5, 1.5, −0.5: variance 4/3, bias² 1/4 − 1/3. Without a seed of 1.5 the products of pairs are
     // −0.75 twice and 0.25, whose mean is −5/12; without the other −0.75 twice and 2.25, whose mean is 1/4.
-    let rows = results.rows();
-    let bias: Vec<f64> = rows[0].cells.iter().map(|cell| cell.measures["bias2"].unwrap()).collect();
+    let of_one_light = results.cells.iter().filter(|cell| cell.axes["lights"] == AxisValue::Number(1.0));
+    let of_one_light: Vec<_> = of_one_light.collect();
+    let [bias, variance] = ["bias2", "variance"]
+        .map(|key| -> Vec<f64> { of_one_light.iter().map(|cell| cell.measures[key].unwrap()).collect() });
     for (found, left_out) in bias.iter().zip([-5.0 / 12.0, 0.25, -5.0 / 12.0, 0.25]) {
         close(Some(*found), 4.0 * (-1.0 / 12.0) - 3.0 * left_out);
     }
-    let [bias, variance] = ["bias2", "variance"].map(|key| rows[0].figure(key).unwrap());
+    let [bias, variance] = [bias, variance].map(|values| Interval::of(&values).unwrap());
     close(Some(bias.mean), -1.0 / 12.0);
     close(Some(variance.mean), 4.0 / 3.0);
     // Pseudo-values 11/12 and −13/12: a deviation of 2 / √3, and t = 3.182.
