@@ -133,29 +133,31 @@ pub(crate) fn evaluate(
         command,
     };
     let mean = mean.unwrap_or(0.0);
-    let is_near = match expect {
-        Expect::Plain(factor) => {
-            cell.energy = of_plain.filter(|plain| *plain > 0.0).map(|plain| mean / (plain * factor));
-            cell.energy.is_none_or(|energy| (energy - 1.0).abs() <= SAME)
-        }
-        Expect::Truth => {
-            let share = plain.and_then(|plain| measure(plain, Measure::Energy)).filter(|share| *share > 0.0);
-            cell.energy = measure(found, Measure::Energy).map(|energy| energy / share.unwrap_or(1.0));
-            // Without light in the reference there is no ratio.
-            cell.energy.map_or(mean == 0.0, |energy| ALIKE.contains(&energy))
-        }
-        Expect::Black => mean <= NOTHING * of_plain.unwrap_or(1.0),
-        Expect::Finite => true,
-        Expect::Refused => false,
-        Expect::Steady(_) => {
-            cell.energy = cell.details.long.as_ref().map(|long| long.energy);
-            cell.message = cell.details.long.as_ref().map_or_else(
-                || "the log has too few frames to evaluate".to_owned(),
-                |long| long.wrong.join("; "),
-            );
-            cell.message.is_empty()
-        }
-    };
+    let is_near = has_picture
+        && match expect {
+            Expect::Plain(factor) => {
+                cell.energy = of_plain.filter(|plain| *plain > 0.0).map(|plain| mean / (plain * factor));
+                cell.energy.is_none_or(|energy| (energy - 1.0).abs() <= SAME)
+            }
+            Expect::Truth => {
+                let share =
+                    plain.and_then(|plain| measure(plain, Measure::Energy)).filter(|share| *share > 0.0);
+                cell.energy = measure(found, Measure::Energy).map(|energy| energy / share.unwrap_or(1.0));
+                // Without light in the reference there is no ratio.
+                cell.energy.map_or(mean == 0.0, |energy| ALIKE.contains(&energy))
+            }
+            Expect::Black => mean <= NOTHING * of_plain.unwrap_or(1.0),
+            Expect::Finite => true,
+            Expect::Refused => false,
+            Expect::Steady(_) => {
+                cell.energy = cell.details.long.as_ref().map(|long| long.energy);
+                cell.message = cell.details.long.as_ref().map_or_else(
+                    || "the log has too few frames to evaluate".to_owned(),
+                    |long| long.wrong.join("; "),
+                );
+                cell.message.is_empty()
+            }
+        };
     cell.verdict = match found.end {
         End::TimedOut if !has_picture => Verdict::TimedOut,
         End::Reported if !has_picture => Verdict::Refused,
@@ -172,6 +174,7 @@ pub(crate) fn evaluate(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::long::Steady;
 
     fn found(mean: f64, energy: Option<f64>, details: &Details) -> study::Cell {
         let measures = [("mean", Some(mean)), ("energy", energy)];
@@ -223,16 +226,19 @@ mod tests {
 
     #[test]
     fn how_the_process_ended_comes_first() {
-        let ended = |case: &str, end| {
+        let of = |expect, case: &str, end| {
             let outcome = Outcome::Failed { error: "too large".to_owned() };
             let cell = study::Cell { outcome, end, ..study::Cell::default() };
-            evaluate((case, Expect::Finite), &cell, None, String::new())
+            evaluate((case, expect), &cell, None, String::new())
         };
+        let ended = |case, end| of(Expect::Finite, case, end);
         let refused = ended("case", End::Reported);
         assert_eq!((refused.verdict, refused.message.as_str()), (Verdict::Refused, "too large"));
         assert!(!refused.is_defect());
         assert!(ended(PLAIN, End::Reported).is_defect());
         assert_eq!(ended("case", End::Crashed).verdict, Verdict::Crashed);
         assert_eq!(ended("case", End::TimedOut).verdict, Verdict::TimedOut);
+        let long = of(Expect::Steady(Steady::Still), "long-still", End::Crashed);
+        assert_eq!((long.verdict, long.message.as_str()), (Verdict::Crashed, "too large"));
     }
 }

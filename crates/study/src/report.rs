@@ -37,10 +37,10 @@ pub fn report(results: &Results, folder: &Path) -> Result<Vec<PathBuf>, StudyErr
     report_with(results, folder, &[])
 }
 
-/// Writes a report as [`report`] does, with further tables at the top of the page.
+/// Writes a report as [`report()`] does, with further tables at the top of the page.
 ///
 /// # Errors
-/// Those of [`report`].
+/// Those of [`report()`].
 pub fn report_with(results: &Results, folder: &Path, more: &[Table]) -> Result<Vec<PathBuf>, StudyError> {
     let digest = Digest::new(results);
     let figures = Figures::new(&digest);
