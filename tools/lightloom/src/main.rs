@@ -61,7 +61,7 @@ enum Command {
     Stress(command::stress::Args),
     /// Compare shader functions in f32 with the same in f64: the precision that is lost
     Precision(command::precision::Args),
-    /// Measure what rays, shadow maps, frames and the frame graph cost on this machine
+    /// Measure rays, the frame graph, reloading and the limits of the adapter on this machine
     Bench(command::bench::Args),
     /// List the pass types, or show one with its ports and settings
     Passes(command::passes::Args),

@@ -53,7 +53,7 @@ impl<'a> Checker<'a> {
                 }
                 Err(why) => {
                     let known = self.registry.scenes();
-                    self.errors.push(refused(&codes::SCENE, ("scene", "scenes"), scene, Some(&why), &known));
+                    self.errors.push(refused(&codes::SCENE, "scene", scene, Some(&why), &known));
                 }
             }
         }
@@ -69,13 +69,7 @@ impl<'a> Checker<'a> {
             Ok(facts) => Some(facts),
             Err(why) => {
                 let known = self.registry.pipelines();
-                self.errors.push(refused(
-                    &codes::PIPELINE,
-                    ("pipeline", "pipelines"),
-                    name,
-                    Some(&why),
-                    &known,
-                ));
+                self.errors.push(refused(&codes::PIPELINE, "pipeline", name, Some(&why), &known));
                 None
             }
         }
@@ -88,13 +82,7 @@ impl<'a> Checker<'a> {
             Pipelines::All { except, span } => {
                 let names = self.registry.pipelines();
                 for name in except.iter().filter(|name| !names.contains(&name.value)) {
-                    self.errors.push(refused(
-                        &codes::PIPELINE,
-                        ("pipeline", "pipelines"),
-                        name,
-                        None,
-                        &names,
-                    ));
+                    self.errors.push(refused(&codes::PIPELINE, "pipeline", name, None, &names));
                 }
                 let wanted =
                     names.into_iter().filter(|name| !except.iter().any(|other| other.value == *name));
@@ -417,15 +405,15 @@ impl<'a> Checker<'a> {
 /// exist.
 fn refused(
     code: &'static Code,
-    (one, many): (&str, &str),
+    what: &str,
     name: &At<String>,
     why: Option<&Failure>,
     known: &[String],
 ) -> Diagnostic {
     let is_file = name.value.contains(['/', '\\', '.']);
     if let Some(why) = why.filter(|_| is_file || known.contains(&name.value)) {
-        return name.error(code, format!("the {one} `{}` cannot be used", name.value)).note(why.to_string());
+        return name.error(code, format!("the {what} `{}` cannot be used", name.value)).note(why.to_string());
     }
-    let message = format!("there is no {one} `{}`", name.value);
-    name.unknown(code, message, many, known.iter().map(String::as_str))
+    let message = format!("there is no {what} `{}`", name.value);
+    name.unknown(code, message, &format!("{what}s"), known.iter().map(String::as_str))
 }
