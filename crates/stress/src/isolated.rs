@@ -6,7 +6,7 @@ use metrics::temporal::Pinhole;
 use metrics::{Glance, Image};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Duration;
 use study::{CellRun, Failure, Laboratory, Observed, Occluded, RunRequest, Step};
 
@@ -33,9 +33,7 @@ pub(crate) struct Isolated<'a> {
     /// States what runs depend on.
     pub(crate) known: &'a mut dyn Laboratory,
     /// The folder of the study, in which the scenes are. Cells do not depend on where it is.
-    pub(crate) study: &'a Path,
-    /// A folder for the pictures of a run.
-    pub(crate) folder: PathBuf,
+    pub(crate) folder: &'a Path,
     /// Time limit of one picture, and of each 200 frames of a long run.
     pub(crate) limit: Duration,
     /// The long runs, by their scenes.
@@ -73,7 +71,7 @@ impl Laboratory for Isolated<'_> {
         self.identities
             .entry(key)
             .or_insert_with(|| {
-                let scene = self.study.join(scene).display().to_string();
+                let scene = self.folder.join(scene).display().to_string();
                 self.known.identity(&RunRequest { scene, ..request.clone() })
             })
             .clone()
@@ -92,7 +90,7 @@ impl Laboratory for Isolated<'_> {
             let _ = std::fs::remove_file(file);
         }
         let mut words = vec!["--json".to_owned()];
-        words.extend(arguments(self.study, request, &path("run.exr").display().to_string()));
+        words.extend(arguments(self.folder, request, &path("run.exr").display().to_string()));
         let steady = self.long.get(&request.scene);
         let mut limit = self.limit;
         if steady.is_some() {

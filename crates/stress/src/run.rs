@@ -86,12 +86,6 @@ pub fn run(
             all.push(case);
         }
     }
-    let scratch = tempfile::tempdir_in(std::env::temp_dir());
-    let scratch = scratch.map_err(|source| StudyError::Io {
-        path: std::env::temp_dir(),
-        action: "cannot make a folder",
-        source,
-    })?;
     let mut long = HashMap::new();
     for case in &all {
         let scene = options.write(case)?;
@@ -99,9 +93,8 @@ pub fn run(
             long.insert(scene, steady);
         }
     }
-    let (folder, limit, identities) = (scratch.path().to_owned(), options.limit, HashMap::new());
-    let study = &*options.folder;
-    let mut lab = Isolated { program, known, study, folder, limit, long, identities };
+    let (folder, limit, identities) = (&*options.folder, options.limit, HashMap::new());
+    let mut lab = Isolated { program, known, folder, limit, long, identities };
     let mut cells = Cells { subjects, all, options, seeds: BTreeMap::new() };
     loop {
         let results = study::run(&cells.plan(), &mut lab, &options.folder, &options.study, report)?.results;
@@ -252,16 +245,9 @@ impl Options {
             set: known.map(|(path, text)| (path.clone(), value(text))).collect(),
             output: "indirect".to_owned(),
             size: case.size.unwrap_or(self.size),
-            seed: 0,
-            first_frame: 0,
             warm_up: case.frames.saturating_sub(1),
             frames: 1,
-            timed: false,
-            views: false,
-            lights: false,
-            figures: Vec::new(),
-            stop_after_ms: None,
-            until_done: false,
+            ..RunRequest::default()
         }
     }
 

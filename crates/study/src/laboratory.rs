@@ -132,7 +132,7 @@ pub trait Laboratory {
 }
 
 /// One pipeline with its values on one scene.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct RunRequest {
     /// Name or path of the scene.
     pub scene: String,
