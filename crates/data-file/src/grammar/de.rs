@@ -222,7 +222,9 @@ impl<'r, 's> De<'r, 's> {
         let place = Place { file: reader.file, start: start as u32, end: (start + name.len()) as u32 };
         let message = format!("`{}` is not known here: expected {expected}", shortened(name, MAX_QUOTED));
         let error = Diagnostic::new(&codes::UNKNOWN_FORM, message);
-        reader.report_bad(error.suggest("forms", name, known.iter().copied()), place);
+        // A word where a list is expected is like one of the list.
+        let others = words(expected).map(|(word, _)| word).filter(|word| !known.contains(word));
+        reader.report_bad(error.suggest("forms", name, known.iter().copied().chain(others)), place);
         reader.bad(node);
     }
 
@@ -255,6 +257,15 @@ impl<'r, 's> De<'r, 's> {
         let found = names.iter().find_map(|name| find(name)).or_else(|| find("Other"))?;
         Some((found, found == "Tuple"))
     }
+}
+
+/// Returns what stands in backticks in a text, each with the word with which it begins.
+fn words(text: &str) -> impl Iterator<Item = (&str, &str)> {
+    let quoted = text.split('`').skip(1).step_by(2);
+    quoted.filter_map(|form| {
+        let word = form.split(|c: char| !(c.is_alphanumeric() || c == '_')).next()?;
+        (!word.is_empty()).then_some((word, form))
+    })
 }
 
 /// Returns what a visitor expects, where its type says so and serde does not.
@@ -516,6 +527,8 @@ impl<'de, 'r, 's> Deserializer<'de> for De<'r, 's> {
         match variants.iter().find(|variant| **variant == found) {
             Some(variant) => {
                 let de = De { expected: None, ..self };
+                let of_variant = words(&expected).find(|(word, _)| word == variant);
+                let expected = of_variant.map_or(expected.clone(), |(_, form)| format!("`{form}`"));
                 visitor.visit_enum(Variant { de, name: variant, expected: Some(expected) })
             }
             None => {
