@@ -69,3 +69,13 @@ fn a_global_that_does_not_fit_is_shown_where_it_is_declared() {
     let errors = errors_with("var view_depth: texture_2d<f32>;", "var view_depth: texture_2d<u32>;");
     assert_states(&errors, &["L004", "shaders/count.wgsl:3:5", "pipelines/own.ron:4:9"]);
 }
+
+#[test]
+fn a_mistake_in_the_output_of_a_pass_that_reads_its_own_history_is_reported_itself() {
+    let size = errors_with("size: (1, 1)", "size: \"like(vew)\"");
+    assert_states(&size, &["E050", "did you mean `view`?"]);
+    let facts = r#"interface: "Irradiance", size: (1, 1), facts: { "interleav_x": 2 }"#;
+    let fact = errors_with("size: (1, 1)", facts);
+    assert_states(&fact, &["E025", "did you mean `interleave_x`?"]);
+    assert!(![&size, &fact].iter().any(|errors| errors.contains("E051")), "{size}{fact}");
+}

@@ -27,6 +27,8 @@ static NO_FACTS: LazyLock<Arc<Facts>> = LazyLock::new(Arc::default);
 pub(super) enum Unknown {
     /// An input that reads a history buffer has no size yet.
     Waits(PassTypeError),
+    /// The pass type refuses the use as long as not all inputs are known: for want of them, or for another reason.
+    RefusedEarly(PassTypeError),
     /// The description is wrong.
     Wrong(Diagnostic),
     /// The pass type refuses the use.
@@ -87,12 +89,29 @@ impl<'a> Linker<'a> {
                 }
             }
             if !changed || last {
+                let causes: Vec<_> =
+                    unknown.iter().filter_map(|(i, why)| self.cause(*i, why, ports)).collect();
+                if !causes.is_empty() {
+                    unknown = causes;
+                }
                 for (i, why) in unknown {
                     self.note_unknown(i, why, true, order, ports);
                 }
                 return;
             }
         }
+    }
+
+    /// Returns the refusal of a pass that has another reason than that the size of its history buffer is not known: it is
+    /// why that is not known.
+    fn cause(&self, node: usize, why: &Unknown, ports: &[Described]) -> Option<(usize, Unknown)> {
+        let Unknown::RefusedEarly(error) = why else { return None };
+        let unknown =
+            self.describing_wires(node).iter().filter(|wire| ports[wire.end.node as usize].is_none());
+        let inputs = &self.uses[node].as_ref()?.names.inputs;
+        let is_named = |wire: &Wire| error.input.as_deref() == Some(inputs[wire.input as usize].0.as_str());
+        let mut others = unknown.filter(|wire| !wire.end.past || is_named(wire));
+        others.next().is_none().then(|| (node, Unknown::Refused(error.clone())))
     }
 
     /// Reports why the outputs of a pass are not known. A pass that is off is checked where something reads what replaces
@@ -114,7 +133,7 @@ impl<'a> Linker<'a> {
                 let error = self.advised(node, error, order, ports);
                 self.refused(&self.nodes[node], &error);
             }
-            Unknown::Waits(error) if settled => {
+            Unknown::Waits(error) | Unknown::RefusedEarly(error) if settled => {
                 let past = self.wires_now(node).iter().find(|wire| wire.end.past);
                 let message =
                     format!("the size of `{}` depends on itself through `prev`", self.nodes[node].name);
@@ -129,7 +148,7 @@ impl<'a> Linker<'a> {
                     .note("let the size follow another input, the frame, or a number");
                 self.errors.push(loop_error);
             }
-            Unknown::Waits(_) => {}
+            Unknown::Waits(_) | Unknown::RefusedEarly(_) => {}
         }
     }
 
@@ -199,7 +218,7 @@ impl<'a> Linker<'a> {
         // A fact that is too great is known, whatever else is not.
         let waits = |error: PassTypeError| match whole || error.limit.is_some() {
             true => Unknown::Refused(error),
-            false => Unknown::Waits(error),
+            false => Unknown::RefusedEarly(error),
         };
         let (Some(used), decl) = (&self.uses[node], &self.nodes[node].decl) else {
             return Ok(Vec::new());
@@ -373,7 +392,7 @@ impl<'a> Linker<'a> {
             Extent::Like { input, num, den } => {
                 match inputs.iter().find(|i| i.name == *input).and_then(InputDesc::size) {
                     Some((w, h)) => (scale(w, *num, *den), scale(h, *num, *den)),
-                    None if !whole => {
+                    None if !whole && self.takes(node, input) => {
                         return Err(Unknown::Waits(PassTypeError::new(format!(
                             "`{port}` is sized like `{input}`"
                         ))));
@@ -391,6 +410,13 @@ impl<'a> Linker<'a> {
         }
         let TextureDesc { format, layers, array, .. } = texture;
         Ok(ResourceDesc::Texture(TextureDesc { format, size: (w as u32, h as u32), layers, array }))
+    }
+
+    /// Returns whether something is linked to an input of a pass.
+    fn takes(&self, node: usize, input: &str) -> bool {
+        let inputs = self.uses[node].as_ref().map(|used| &used.names.inputs);
+        let name = |wire: &Wire| inputs.map(|inputs| inputs[wire.input as usize].0.as_str());
+        self.describing_wires(node).iter().any(|wire| name(wire) == Some(input))
     }
 
     fn no_size(&self, node: usize, port: &str, input: &str, inputs: &[InputDesc]) -> Diagnostic {
