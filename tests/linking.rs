@@ -79,3 +79,11 @@ fn a_mistake_in_the_output_of_a_pass_that_reads_its_own_history_is_reported_itse
     assert_states(&fact, &["E025", "did you mean `interleave_x`?"]);
     assert!(![&size, &fact].iter().any(|errors| errors.contains("E051")), "{size}{fact}");
 }
+
+#[test]
+fn no_name_is_offered_where_there_is_none() {
+    let shader = "/// Counts. [threads: nosuch]\n@compute @workgroup_size(1)";
+    let errors = errors_with("@compute @workgroup_size(1)", shader);
+    assert_states(&errors, &["there is no setting `nosuch`"]);
+    assert!(!errors.contains("there are nothing"), "{errors}");
+}

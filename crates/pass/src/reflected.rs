@@ -146,6 +146,7 @@ fn instead<'a>(name: &str, all: &str, known: impl IntoIterator<Item = &'a str>) 
     let known: Vec<&str> = known.into_iter().collect();
     match frame_graph::nearest(name, known.iter().copied()) {
         Some(near) => format!("did you mean `{near}`?"),
+        None if known.is_empty() => format!("{all} none"),
         None => format!("{all} {}", list(known)),
     }
 }
