@@ -450,6 +450,11 @@ impl<'a> Work<'a> {
             };
             fates.push((passes[i].name.clone(), fate));
         }
+        let off = |name: &Name| {
+            let why = "left out: nothing needs it, and it does not fit this pipeline".to_owned();
+            (name.clone(), Fate::Off { why, instead: "nothing".to_owned() })
+        };
+        fates.extend(self.graph.left_out.iter().map(off));
         fates
     }
 }

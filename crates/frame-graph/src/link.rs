@@ -4,6 +4,7 @@ mod answers;
 mod checks;
 mod cycle;
 mod handed;
+mod idle;
 mod joints;
 mod limits;
 mod needs;
@@ -46,6 +47,8 @@ pub struct Graph {
     /// The passes in the order of the file, and the links from producers to readers.
     pub(crate) passes: DiGraph<GraphPass, GraphLink>,
     pub(crate) outputs: Vec<GraphOutput>,
+    /// The passes that were left out: see [`link`].
+    pub(crate) left_out: Vec<Name>,
 }
 
 /// A pass of a graph.
@@ -145,9 +148,17 @@ pub(crate) struct GraphOutput {
 
 /// Links a flat description.
 ///
+/// A pass that a file inherits, that no output needs and that does not fit what the file changes is left out.
+///
 /// # Errors
 /// Everything that is wrong with pass types, settings, links, switches and sizes; also in passes that are off.
 pub fn link(resolved: &Resolved, kinds: &dyn PassTypes, context: &LinkContext) -> Result<Graph, Diagnostics> {
+    link_all(resolved, kinds, context)
+        .or_else(|errors| idle::link_without_idle(resolved, kinds, context, errors))
+}
+
+/// Links all passes.
+fn link_all(resolved: &Resolved, kinds: &dyn PassTypes, context: &LinkContext) -> Result<Graph, Diagnostics> {
     let mut linker = Linker::new(resolved, kinds, context);
     linker.check_root();
     linker.find_uses();
@@ -383,7 +394,7 @@ impl<'a> Linker<'a> {
         };
         let outputs = self.outputs.iter().map(output).collect();
         dependencies(&mut passes, order);
-        Graph { frame: self.context.frame, passes, outputs }
+        Graph { frame: self.context.frame, passes, outputs, left_out: Vec::new() }
     }
 }
 

@@ -61,6 +61,10 @@ impl<'a> Work<'a> {
         let pass = parts.next().unwrap_or("");
         let passes = &self.graph.passes;
         let Some(i) = passes.node_indices().find(|i| passes[*i].name == *pass) else {
+            if self.graph.left_out.iter().any(|left_out| *left_out == *pass) {
+                let what = "the pass does not fit this pipeline, and was left out:";
+                return Err(asked("keep", name, what));
+            }
             let passes = passes.node_weights().map(|p| &*p.name);
             return Err(asked("keep", name, "there is no pass for").suggest("passes", pass, passes));
         };

@@ -6,6 +6,7 @@ mod drawing;
 mod extremes;
 mod formulas;
 mod handed;
+mod idle;
 mod inherit;
 mod kinds;
 mod limits;
