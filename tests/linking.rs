@@ -87,3 +87,12 @@ fn no_name_is_offered_where_there_is_none() {
     assert_states(&errors, &["there is no setting `nosuch`"]);
     assert!(!errors.contains("there are nothing"), "{errors}");
 }
+
+#[test]
+fn an_attribute_that_is_misspelt_is_refused() {
+    let shader = "/// Sums. [scrach]\nvar<storage, read_write> sums: array<u32, 4>;\n\n@compute";
+    let errors = errors_with("@compute", shader);
+    assert_states(&errors, &["there is no `scrach`", "did you mean `scratch`?", "shaders/count.wgsl:7:"]);
+    // Units are no attributes.
+    assert_eq!(errors_with("@compute", "/// Counts. [px], [W/m²], [size], [samples/px]\n@compute"), "");
+}

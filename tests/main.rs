@@ -34,4 +34,5 @@ mod study;
 mod surface_lights;
 mod trace;
 mod truth;
+mod warnings;
 mod window;

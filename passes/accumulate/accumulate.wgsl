@@ -10,7 +10,6 @@
 #option PAST false // whether there is a mean of earlier frames
 
 #import "progress.wgsl"
-#import "sample.wgsl"
 
 struct Settings {
     radiance_size: vec2<u32>,
@@ -28,6 +27,7 @@ var mean_radiance: texture_storage_2d<rgba32float, write>;
 var<storage, read_write> mean_progress: Progress;
 var image: texture_storage_2d<rgba32float, write>;
 
+/// Adds the frame to the mean. [sampled]
 @compute @workgroup_size(8, 8)
 fn accumulate(@builtin(global_invocation_id) id: vec3<u32>) {
     var before: Progress;

@@ -189,6 +189,8 @@ pub(crate) struct Taken {
     pub(crate) links: Vec<bool>,
     /// The input that takes what an insertion feeds to it.
     pub(crate) feed: Option<Name>,
+    /// Whether the pass has another sample of the picture in each frame.
+    pub(crate) sampled: bool,
 }
 
 /// Returns what each node of a description takes; `None` where it is no pass, or its pass type cannot say.
@@ -203,6 +205,7 @@ pub(crate) fn taken(resolved: &Resolved, kinds: &dyn PassTypes) -> Vec<Option<Ta
         Some(Taken {
             links: used.linked.iter().map(Option::is_some).collect(),
             feed: feed.map(|wire| used.names.inputs[wire.input as usize].0.clone()),
+            sampled: used.ports.scene_bindings.contains(SceneBindings::SAMPLE),
         })
     };
     linker.uses.iter().enumerate().map(taken).collect()

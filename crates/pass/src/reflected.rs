@@ -190,14 +190,17 @@ impl Reflected {
         let mut load = |request: Request| {
             let selected = known.select(library, request.clone(), &declared);
             let shader = library.load(&selected).map_err(|errors| main.refused(errors))?;
+            let attributes = shader.attributes().map_err(|errors| main.refused(errors))?;
             scene_bindings = scene_bindings.and(of_entries(&shader, main.stage));
+            if attributes.entries.iter().any(|entry| entry.sampled) {
+                scene_bindings = scene_bindings.and(SceneBindings::SAMPLE);
+            }
             let largest = of_any_scene.select(library, request, &declared);
             if largest != selected
                 && let Ok(shader) = library.load(&largest)
             {
                 scene_bindings = scene_bindings.and(of_entries(&shader, main.stage));
             }
-            let attributes = shader.attributes().map_err(|errors| main.refused(errors))?;
             Ok::<_, PassTypeError>(Loaded { shader, attributes })
         };
         let mut files = vec![load(request)?];
@@ -363,9 +366,7 @@ fn of_entries(shader: &Shader, stage: Option<Stage>) -> SceneBindings {
     let run = interface.entries.iter().filter(|entry| stage.is_none() || is_run(entry, stage));
     let read = run.flat_map(|entry| &entry.globals);
     let read = read.filter_map(|&global| scene_bindings::of_global(&interface.globals[global].name));
-    let sampled = shader.files().iter().any(|file| file == scene_bindings::SAMPLE_MODULE);
-    let first = if sampled { SceneBindings::SAMPLE } else { SceneBindings::NONE };
-    read.fold(first, SceneBindings::and)
+    read.fold(SceneBindings::NONE, SceneBindings::and)
 }
 
 /// The part of a global's name behind `port_`.

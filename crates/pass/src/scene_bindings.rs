@@ -29,9 +29,6 @@ pub static GLOBALS: &[(&str, SceneBindings)] = &[
     ("nearest_sampler", SceneBindings::NONE),
 ];
 
-/// The module by which a user's shader asks for [`SceneBindings::SAMPLE`]: it binds nothing.
-pub const SAMPLE_MODULE: &str = "shaders/sample.wgsl";
-
 /// Returns the scene binding to which a global of that name belongs; `None` if there is none.
 pub fn of_global(name: &str) -> Option<SceneBindings> {
     GLOBALS.iter().find(|(global, _)| *global == name).map(|(_, scene_bindings)| *scene_bindings)

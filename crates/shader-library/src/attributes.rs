@@ -40,6 +40,8 @@ pub struct EntryAttributes {
     pub iterations: Option<Amount>,
     /// `[scratch]`: its results are seen by no other pass.
     pub scratch: bool,
+    /// `[sampled]`: it takes another sample of the picture in each frame.
+    pub sampled: bool,
     /// Where the bracket stands in the composed text; see [`Shader::place`](crate::Shader::place).
     pub place: Range<u32>,
 }
@@ -80,8 +82,10 @@ pub enum ThreadCount {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Amount(pub String);
 
-const KEYS: [&str; 9] =
-    ["threads", "repeat", "items", "iterations", "scratch", "reads", "count", "size", "cleared"];
+const KEYS: [&str; 10] =
+    ["threads", "repeat", "items", "iterations", "scratch", "sampled", "reads", "count", "size", "cleared"];
+/// The keys that stand without a value.
+const WORDS: [&str; 3] = ["scratch", "sampled", "cleared"];
 
 /// What stands in the brackets of one declaration.
 #[derive(Default)]
@@ -91,6 +95,7 @@ struct Said {
     items: Option<Amount>,
     iterations: Option<Amount>,
     scratch: bool,
+    sampled: bool,
     reads: Option<String>,
     count: Option<Amount>,
     size: Option<Amount>,
@@ -108,12 +113,13 @@ pub(crate) fn read(composed: &Composed, interface: &ShaderInterface) -> Result<A
             continue;
         }
         let said = declaration(&found).and_then(|said| match said {
-            Some(Said { threads, repeat, items, iterations, .. })
+            Some(Said { threads, repeat, items, iterations, sampled, .. })
                 if !entry
                     && (threads.is_some()
+                        || sampled
                         || [&repeat, &items, &iterations].iter().any(|said| said.is_some())) =>
             {
-                let message = "`threads`, `repeat`, `items` and `iterations` are of entry points";
+                let message = "`threads`, `repeat`, `items`, `iterations` and `sampled` are of entry points";
                 Err(Problem::new(0..0, message))
             }
             Some(Said { reads, count, size, cleared, .. })
@@ -125,7 +131,7 @@ pub(crate) fn read(composed: &Composed, interface: &ShaderInterface) -> Result<A
         });
         match said {
             Ok(None) => {}
-            Ok(Some(Said { threads, repeat, items, iterations, scratch, range, .. })) if entry => {
+            Ok(Some(Said { threads, repeat, items, iterations, scratch, sampled, range, .. })) if entry => {
                 let place = found.doc.place(range);
                 attributes.entries.push(EntryAttributes {
                     name: found.name,
@@ -134,6 +140,7 @@ pub(crate) fn read(composed: &Composed, interface: &ShaderInterface) -> Result<A
                     items,
                     iterations,
                     scratch,
+                    sampled,
                     place,
                 });
             }
@@ -159,7 +166,7 @@ pub(crate) fn read(composed: &Composed, interface: &ShaderInterface) -> Result<A
 }
 
 /// Whether a bracket is an attribute and not prose such as `[px]`: it begins with a key, or with what is nearly one
-/// and has a colon.
+/// and stands as that key would, with a colon or without.
 fn attributes_begin(inside: &str) -> bool {
     let inside = inside.trim_start();
     let len = inside.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(inside.len());
@@ -168,7 +175,12 @@ fn attributes_begin(inside: &str) -> bool {
     let ends: &[char] =
         if matches!(word, "count" | "size" | "items" | "iterations") { &[':'] } else { &[':', ',', ']'] };
     let known = KEYS.contains(&word) && rest.starts_with(ends);
-    known || (rest.starts_with(':') && nearest(word, KEYS).is_some())
+    let misspelt = match rest.chars().next() {
+        Some(':') => nearest(word, KEYS),
+        Some(',' | ']') if !KEYS.contains(&word) => nearest(word, WORDS),
+        _ => None,
+    };
+    known || misspelt.is_some()
 }
 
 fn declaration(found: &FoundDeclaration) -> Result<Option<Said>, Problem> {
@@ -198,6 +210,7 @@ fn fields(reader: &mut Reader<'_>) -> Result<Said, Problem> {
         };
         let twice = match key.as_str() {
             "scratch" => std::mem::replace(&mut said.scratch, true),
+            "sampled" => std::mem::replace(&mut said.sampled, true),
             "cleared" => std::mem::replace(&mut said.cleared, true),
             "count" | "size" | "repeat" | "items" | "iterations" => {
                 colon(reader)?;

@@ -288,7 +288,7 @@ fn attributes_that_mean_nothing_are_told_where_they_stand() {
         (
             "[reads: square]",
             "[threads: 4]",
-            "`threads`, `repeat`, `items` and `iterations` are of entry points",
+            "`threads`, `repeat`, `items`, `iterations` and `sampled` are of entry points",
         ),
         ("/// Adds up, ", "/// [reads: sums] ", "there are two brackets of attributes"),
         (

@@ -11,7 +11,7 @@ use std::fmt;
 /// One difference between two flattened pipelines.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Difference {
-    /// What differs: `pass`, `link`, `setting`, `output format`, `history`, `switch`, `off`, `parameter`, `input` or `output`.
+    /// What differs: `pass`, `link`, `setting`, `output format`, `history`, `switch`, `off`, `parameter`, `input`, `output` or `samples`.
     pub what: &'static str,
     /// Which one: `lights`, `gather.view`, `blur.radius`.
     pub path: String,
@@ -73,7 +73,7 @@ impl Differences {
     }
 }
 
-/// Returns all that `b` does otherwise than `a`: parameters, passes, links, settings, switches, outputs. A setting that
+/// Returns all that `b` does otherwise than `a`: parameters, passes, links, settings, switches, outputs, samples. A setting that
 /// a file leaves out has the default of its pass type; a link or an output whose source was removed is not there.
 pub fn diff(a: &Resolved, b: &Resolved, kinds: &dyn PassTypes) -> Vec<Difference> {
     let mut all = Differences::default();
@@ -109,6 +109,7 @@ pub fn diff(a: &Resolved, b: &Resolved, kinds: &dyn PassTypes) -> Vec<Difference
         all.lists("setting", &format!("{}.", node.name), Vec::new(), given(node, kinds));
     }
     all.lists("output", "", outputs(a, &a.outputs), outputs(b, &b.outputs));
+    all.value("samples", "picture".to_owned(), sampled(a, &of_a), sampled(b, &of_b));
     all.0
 }
 
@@ -119,6 +120,14 @@ fn kind(node: &Node) -> String {
         Body::Group(_) | Body::Sub(_) => "a sub-graph".to_owned(),
         Body::Removed => "removed".to_owned(),
     }
+}
+
+/// Returns what is said of a pipeline each frame of which is another sample of the picture: the passes for which it is.
+fn sampled(resolved: &Resolved, taken: &[Option<Taken>]) -> Option<String> {
+    let passes = resolved.nodes.iter().zip(taken);
+    let passes = passes.filter(|(_, taken)| taken.as_ref().is_some_and(|taken| taken.sampled));
+    let names: Vec<&str> = passes.map(|(node, _)| &*node.name).collect();
+    (!names.is_empty()).then(|| format!("another in each frame, for {}", names.join(", ")))
 }
 
 fn outputs(resolved: &Resolved, outputs: &[OutputDecl]) -> Vec<(String, String)> {
