@@ -6,6 +6,25 @@ use frame_graph::{LinkContext, Overrides, Value};
 use renderer::{Assets, Catalog, Compiled};
 
 #[test]
+fn known_outputs_hold_what_their_names_say() {
+    let outputs = |outputs: &str| format!("Pipeline(extends: \"ism.ron\", outputs: {{ {outputs} }})");
+    let mine = Folder::new(&[
+        ("bad.ron", &outputs(r#""image": "image.display", "indirect": "view", "irradiance": "image.image""#)),
+        ("good.ron", &outputs(r#""image": "direct", "shown": "image.display""#)),
+    ]);
+    run_in(&mine, &["check", "bad.ron"]).failure(
+        1,
+        &[
+            "error[E035]: the output `image` is a `Radiance`",
+            "this is a `Display`",
+            "error[E035]: the output `indirect` is a `Radiance`",
+            "error[E035]: the output `irradiance` is an `Irradiance`",
+        ],
+    );
+    run_in(&mine, &["check", "good.ron"]).success();
+}
+
+#[test]
 fn a_difference_in_samples_is_shown() {
     let expected = "+ samples picture: another in each frame, for image/image, image/direct, image/indirect";
     let done = lightloom(&["diff", "ism-invtm", "ism-invtm-accumulated"]).success();

@@ -24,12 +24,14 @@ pub struct Interface {
     pub stand_in: Option<&'static str>,
     /// Numbers at the beginning of its first member, a struct, that report on a frame to a user.
     pub figures: &'static [Figure],
+    /// The outputs of a pipeline that hold it, by their names: an output of such a name holds nothing else.
+    pub outputs: &'static [&'static str],
 }
 
 impl Interface {
     /// Declares an interface without facts and without WGSL.
     pub const fn new(name: &'static str, doc: &'static str, members: &'static [Member]) -> Interface {
-        Interface { name, doc, members, facts: &[], folder: None, stand_in: None, figures: &[] }
+        Interface { name, doc, members, facts: &[], folder: None, stand_in: None, figures: &[], outputs: &[] }
     }
 
     /// Returns the same with these facts.
@@ -50,6 +52,11 @@ impl Interface {
     /// Returns the same with these figures.
     pub const fn with_figures(self, figures: &'static [Figure]) -> Interface {
         Interface { figures, ..self }
+    }
+
+    /// Returns the same with the names of outputs of pipelines that hold it.
+    pub const fn with_outputs(self, outputs: &'static [&'static str]) -> Interface {
+        Interface { outputs, ..self }
     }
 
     /// Returns the member of that name; `""` for the only one.

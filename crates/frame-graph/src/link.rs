@@ -322,7 +322,10 @@ impl<'a> Linker<'a> {
                 Found::Nothing(_) | Found::Reported => continue,
             };
             match found {
-                Found::End(end) => self.outputs.push((output, end)),
+                Found::End(end) => {
+                    self.check_output(output, &end);
+                    self.outputs.push((output, end));
+                }
                 Found::Nothing(off) => {
                     let error = self.off_read(format!("the output `{}`", output.name.value), link, off);
                     self.errors.push(error);

@@ -25,4 +25,5 @@ pub const INTERFACE: Interface = Interface::new(
         "[W/m²]; in alpha the luminance of what clamping removed [W/m²]",
     )],
 )
-.with_facts(&[INTERLEAVE_X.decl(), INTERLEAVE_Y.decl(), CLAMP.decl()]);
+.with_facts(&[INTERLEAVE_X.decl(), INTERLEAVE_Y.decl(), CLAMP.decl()])
+.with_outputs(&["irradiance"]);

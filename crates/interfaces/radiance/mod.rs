@@ -11,4 +11,5 @@ pub const INTERFACE: Interface = Interface::new(
         Content::Texture(Format::Rgba32Float),
         "[W/(m² sr)]; alpha 1 where something is seen",
     )],
-);
+)
+.with_outputs(&["image", "direct", "indirect"]);

@@ -1,9 +1,10 @@
 //! Checks what links bring, once all resources are described.
 
 use super::sizes::sort;
-use super::wires::End;
+use super::wires::{End, with_article};
 use super::{Described, Linker};
 use crate::codes;
+use crate::description::OutputDecl;
 use data_file::{Diagnostic, Place};
 
 impl Linker<'_> {
@@ -49,6 +50,23 @@ impl Linker<'_> {
             }
         }
         self.errors.extend(errors);
+    }
+
+    /// An output whose name says what it holds must hold that, or a texture of which no interface is known.
+    pub(super) fn check_output(&mut self, output: &OutputDecl, end: &End) {
+        let name = &output.name.value;
+        let known = self.interfaces.iter().find(|known| known.outputs.contains(&&**name));
+        let Some(known) = known.map(|known| known.name) else { return };
+        let found = self.interface_of(end);
+        if end.member.is_none() && (found == known || found == "Texture") {
+            return;
+        }
+        let message = format!("the output `{name}` is {}", with_article(known));
+        let error = Diagnostic::new(&codes::INTERFACE, message)
+            .label(self.span(output.link.place), format!("this is {}", self.offer_text(end)))
+            .label(self.span(self.nodes[end.node as usize].place), "from this pass")
+            .note("an output of another name may hold it");
+        self.errors.push(error);
     }
 
     /// Reports where a link takes a member that the producer, with its settings, does not make.

@@ -152,6 +152,14 @@ fn shown(args: &Args, renderer: &Renderer) -> Display {
 /// that are made of light; returns them.
 fn set_display(args: &Args, renderer: &mut Renderer, mut overrides: Overrides) -> Result<Display> {
     let display = shown(args, renderer);
+    let is_linear = FileFormat::of(&args.out) != Some(FileFormat::Png);
+    let shows = args.output.iter().any(|output| output == "display");
+    if is_linear && shows {
+        stderr!(
+            "note: {} holds `display` as a screen takes it: tone-mapped and encoded, not light",
+            args.out.display()
+        );
+    }
     if args.tonemap.is_none() && args.exposure.is_none() {
         return Ok(display);
     }
@@ -165,8 +173,7 @@ fn set_display(args: &Args, renderer: &mut Renderer, mut overrides: Overrides) -
         }
         renderer.set_values(overrides)?;
     }
-    let is_linear = FileFormat::of(&args.out) != Some(FileFormat::Png);
-    if is_linear && !args.output.iter().any(|output| output == "display") {
+    if is_linear && !shows {
         stderr!(
             "note: {} holds light as it is: --tonemap and --exposure change PNG files and the output `display`",
             args.out.display()
