@@ -1,7 +1,7 @@
 //! Where files come from.
 
 use crate::Source;
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -35,25 +35,36 @@ pub trait Files {
     }
 }
 
-/// Reads a text. Of one longer than [`MAX_TEXT`], as that of a device can be, it reads no more than shows that it is;
-/// its parser then refuses it.
+/// Reads a text. Of one longer than [`MAX_TEXT`] it reads no more than shows that it is; its parser then refuses it.
 ///
 /// # Errors
-/// Those of the system; and where it is not UTF-8.
+/// Those of the system; and where it is no regular file, or not UTF-8.
 pub fn read_text(path: &Path) -> io::Result<String> {
     let bytes = read_text_bytes(path)?;
     if bytes.len() > MAX_TEXT {
         // Its end may be within a character.
         return Ok(String::from_utf8_lossy(&bytes).into_owned());
     }
-    String::from_utf8(bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))
+    String::from_utf8(bytes).map_err(|error| {
+        let line = error.as_bytes()[..error.utf8_error().valid_up_to()].split(|byte| *byte == b'\n').count();
+        io::Error::new(io::ErrorKind::InvalidData, format!("it is not UTF-8 (line {line})"))
+    })
+}
+
+/// Returns why a file that is there cannot be read as a text; `None` where it can, or is not there.
+pub fn why_unreadable(path: &Path) -> Option<io::Error> {
+    read_text(path).err().filter(|error| error.kind() != io::ErrorKind::NotFound)
 }
 
 /// Reads the bytes of a text, as [`read_text`] does.
 ///
 /// # Errors
-/// Those of the system.
+/// Those of the system; and where it is no regular file.
 pub fn read_text_bytes(path: &Path) -> io::Result<Vec<u8>> {
+    // Before it is opened: a FIFO would wait for its writer.
+    if !fs::metadata(path)?.is_file() {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is no regular file"));
+    }
     let mut bytes = Vec::new();
     File::open(path)?.take(MAX_TEXT as u64 + 1).read_to_end(&mut bytes)?;
     Ok(bytes)

@@ -17,7 +17,7 @@ pub use codes::Code;
 pub use diagnostic::{
     Diagnostic, Diagnostics, Label, Place, Severity, Source, Sources, Span, nearest, nearest_of_few,
 };
-pub use files::{Files, MAX_TEXT, read_text, read_text_bytes};
+pub use files::{Files, MAX_TEXT, read_text, read_text_bytes, why_unreadable};
 /// A name of a pass, a port, an interface or a member: text that is cheap to copy.
 pub use smol_str::SmolStr as Name;
 pub use value::{Misfit, Setting, Settings, Traits, Value, ValueType};

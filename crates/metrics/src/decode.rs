@@ -1,6 +1,6 @@
 //! Decoding of foreign pictures: bounded in size before memory is allocated, and without panics.
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, Cursor, Read};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -124,9 +124,9 @@ fn png_size(mut chunks: &[u8]) -> Result<(u32, u32), String> {
 /// # Errors
 /// Those of the system; and where it is no file, such as a device without an end, or larger than any picture.
 pub fn read_file(path: &Path) -> io::Result<Vec<u8>> {
-    let file = File::open(path)?;
     let refused = |why: &str| io::Error::new(io::ErrorKind::InvalidInput, why);
-    let about = file.metadata()?;
+    // Before it is opened: a FIFO would wait for its writer.
+    let about = fs::metadata(path)?;
     if !about.is_file() {
         return Err(refused("it is no file"));
     }
@@ -134,6 +134,6 @@ pub fn read_file(path: &Path) -> io::Result<Vec<u8>> {
         return Err(refused(&format!("it has {} bytes; at most {MAX_BYTES} are read", about.len())));
     }
     let mut bytes = Vec::with_capacity(about.len() as usize);
-    file.take(MAX_BYTES).read_to_end(&mut bytes)?;
+    File::open(path)?.take(MAX_BYTES).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
