@@ -24,6 +24,88 @@ fn known_outputs_hold_what_their_names_say() {
     run_in(&mine, &["check", "good.ron"]).success();
 }
 
+/// A triangle whose texture is missing, in a scene that is 4 km wide.
+const TRIANGLE: &str = r#"{
+    "asset": { "version": "2.0" },
+    "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
+    "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "material": 0 }] }],
+    "materials": [{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }],
+    "textures": [{ "source": 0 }], "images": [{ "uri": "nowhere.png" }],
+    "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
+                    "min": [0, 0, 0], "max": [4000, 4000, 0] }],
+    "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
+    "buffers": [{ "byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAAB6RQAAAAAAAAAAAAAAAAAAekUAAAAA" }]
+}"#;
+
+#[test]
+fn check_notes_what_is_left_out_of_a_scene() {
+    let broken = TRIANGLE.replace("\"bufferView\": 0,", "\"bufferView\": 7,");
+    let mine = Folder::new(&[("a.gltf", TRIANGLE), ("b.gltf", &broken)]);
+    let done = run_in(&mine, &["check", "a.gltf"]).success();
+    done.says(&["note: texture image `nowhere.png` is taken as white", "lengths are in metres"]);
+    let json = run_in(&mine, &["check", "a.gltf", "--json"]).json();
+    assert!(json["checked"][0]["notes"].as_array().is_some_and(|notes| notes.len() >= 2), "{json}");
+    let failed = run_in(&mine, &["render", "ism", "b.gltf", "-o", "b.png", "--json"]);
+    let errors: serde_json::Value = serde_json::from_str(&failed.err).expect("JSON");
+    assert_eq!(errors["errors"][0]["file"], "b.gltf", "{errors}");
+}
+
+#[test]
+fn a_name_of_another_sort_is_said_to_be_one() {
+    let study = "Study(about: \"x\")";
+    let mine = Folder::new(&[("s.ron", study)]);
+    let cases: [(&[&str], &str); 7] = [
+        (
+            &["render", "cornell-box", "ism", "-o", "x.png"],
+            "`cornell-box` is a scene; a pipeline is expected here",
+        ),
+        (&["render", "ism", "ism", "-o", "x.png"], "`ism` is a pipeline; a scene is expected here"),
+        (
+            &["render", "s.ron", "cornell-box", "-o", "x.png"],
+            "`s.ron` is a study; a pipeline is expected here",
+        ),
+        (&["study", "ism", "-o", "x"], "`ism` is a pipeline; a study is expected here"),
+        (&["graph", "atrium"], "`atrium` is a scene"),
+        (&["resolve", "ism-fig-4"], "`ism-fig-4` is a study"),
+        (&["diff", "ism", "atrium"], "`atrium` is a scene"),
+    ];
+    for (arguments, words) in cases {
+        run_in(&mine, arguments).failure(1, &[words]);
+    }
+}
+
+#[test]
+fn a_file_that_is_there_and_cannot_be_read_is_not_said_to_be_missing() {
+    let mine =
+        Folder::new(&[("mesh.obj", "v 0 0 0"), ("base.ron", "Pipeline(extends: \"latin.ron\", patch: [])")]);
+    std::fs::write(mine.at("latin.ron"), b"// one\nPipeline(about: \"\xe9\")").expect("written");
+    let cases: [(&[&str], &str); 5] = [
+        (&["check", "latin.ron"], "`latin.ron` cannot be read: it is not UTF-8 (line 2)"),
+        (&["check", "base.ron"], "`latin.ron` cannot be read: it is not UTF-8 (line 2)"),
+        (&["study", "latin.ron", "-o", "x"], "`latin.ron` cannot be read: it is not UTF-8 (line 2)"),
+        (&["check", "mesh.obj"], "such files end in .ron, .glb or .gltf"),
+        (&["render", "ism", "mesh.obj", "-o", "x.png"], "a scene is a .ron, .glb or .gltf file"),
+    ];
+    for (arguments, words) in cases {
+        let done = run_in(&mine, arguments).failure(1, &[words]);
+        assert!(!done.to_string().contains("there is no"), "{done}");
+    }
+}
+
+/// Waits for no writer.
+#[cfg(unix)]
+#[test]
+fn a_file_that_has_no_end_is_refused_at_once() {
+    let mine = Folder::new(&[("a.gltf", &TRIANGLE.replace("nowhere.png", "fifo"))]);
+    for name in ["fifo", "fifo.ron"] {
+        assert!(Done::of(std::process::Command::new("mkfifo").arg(mine.at(name))).code == Some(0));
+    }
+    run_in(&mine, &["check", "fifo.ron"]).failure(1, &["`fifo.ron` cannot be read: it is no regular file"]);
+    run_in(&mine, &["check", "a.gltf"]).says(&["`fifo` is taken as white", "it is no file"]);
+    std::os::unix::fs::symlink("/dev/zero", mine.at("zero.ron")).expect("a link");
+    run_in(&mine, &["check", "zero.ron"]).failure(1, &["it is no regular file"]);
+}
+
 #[test]
 fn a_difference_in_samples_is_shown() {
     let expected = "+ samples picture: another in each frame, for image/image, image/direct, image/indirect";

@@ -23,9 +23,11 @@ use crate::port::PassTypes;
 pub use data_file::Files;
 use data_file::{
     Diagnostic, Diagnostics, Name, Place, Setting, Source, Sources, Span, Value, nearest_of_few,
+    why_unreadable,
 };
 use flatten::{Assignment, Resolver};
 use rustc_hash::FxHashMap;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Command-line overrides: values given from outside the files, by `--set parameter=v`, `--set pass.setting=v`, and the
@@ -93,6 +95,9 @@ pub fn resolve(path: &str, files: &dyn Files, overrides: &Overrides) -> Result<R
 /// Returns the error for a name that is that of no pipeline. The name comes from outside of any file, so no place is
 /// shown.
 fn no_pipeline(name: &str, files: &dyn Files) -> Diagnostic {
+    if let Some(why) = why_unreadable(Path::new(name)) {
+        return Diagnostic::new(&codes::NO_FILE, format!("the pipeline `{name}` cannot be read: {why}"));
+    }
     let error = Diagnostic::new(&codes::NO_FILE, format!("there is no pipeline `{name}`"));
     let stem = |path: &str| path.strip_suffix(".ron").unwrap_or(path).to_owned();
     // Sub-graphs, which are in folders, are used by pipelines alone.

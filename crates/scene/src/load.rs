@@ -107,6 +107,10 @@ fn find(spec: &str, files: &dyn SceneFiles) -> Result<(Arc<Source>, PathBuf, Opt
         let on_disk = Some(files.folder().join(&file)).filter(|path| path.is_file());
         return Ok((source, files.folder(), on_disk));
     }
+    if path.is_file() {
+        let error = io::Error::new(io::ErrorKind::InvalidInput, "a scene is a .ron, .glb or .gltf file");
+        return Err(SceneError::Unreadable { path: path.into(), error });
+    }
     let list = files.list();
     let names: Vec<&str> = list.iter().map(|file| file.strip_suffix(".ron").unwrap_or(file)).collect();
     let near = nearest(spec, names.iter().copied()).map(str::to_owned);

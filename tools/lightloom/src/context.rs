@@ -1,7 +1,8 @@
 //! The context of all commands, and arguments that several of them take.
 
 use crate::start::Phases;
-use anyhow::{Result, anyhow};
+use anyhow::{Result, anyhow, bail};
+use frame_graph::resolve::Files as _;
 use frame_graph::{Overrides, Traits, Value, nearest};
 use renderer::{Assets, Catalog, parse_value};
 use std::path::PathBuf;
@@ -23,9 +24,66 @@ impl Context {
         Context { catalog: Arc::new(Catalog::new(Assets::new(root))), json, phases }
     }
 
+    /// Returns whether a name means something of this sort.
+    pub(crate) fn is(&self, sort: Sort, name: &str) -> bool {
+        let assets = self.catalog.assets();
+        let stem = name.strip_suffix(".ron").unwrap_or(name);
+        let of_file =
+            (stem != name).then(|| assets.text(name)).flatten().and_then(|text| Sort::of_text(&text));
+        match (sort, of_file) {
+            (_, Some(of_file)) => of_file == sort,
+            (Sort::Pipeline, None) => self.catalog.pipelines().read(name).is_some(),
+            (Sort::Study, None) => assets.has(&format!("studies/{stem}.ron")),
+            (Sort::Scene, None) => {
+                [".glb", ".gltf"].iter().any(|ending| name.ends_with(ending))
+                    || assets.has(&format!("scenes/{stem}.ron"))
+            }
+        }
+    }
+
+    /// Checks that a name does not mean something of another sort than this one. That it means anything is checked where it
+    /// is read.
+    pub(crate) fn expect(&self, sort: Sort, name: &str) -> Result<()> {
+        let is = |sort: &Sort| self.is(*sort, name);
+        match Sort::ALL.iter().find(|other| is(other)).filter(|_| !is(&sort)) {
+            Some(other) => bail!("`{name}` is a {}; a {} is expected here", other.name(), sort.name()),
+            None => Ok(()),
+        }
+    }
+
     /// Returns the traits of a scene; those of the plainest scene if none is named.
     pub(crate) fn traits(&self, scene: Option<&str>) -> Result<Traits> {
         Ok(renderer::load_scene(&self.catalog, scene.unwrap_or("cornell-box"))?.traits())
+    }
+}
+
+/// What a name on the command line may mean.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Sort {
+    Pipeline,
+    Study,
+    Scene,
+}
+
+impl Sort {
+    /// A name that means several of them means the first.
+    pub(crate) const ALL: [Sort; 3] = [Sort::Pipeline, Sort::Study, Sort::Scene];
+
+    fn name(self) -> &'static str {
+        match self {
+            Sort::Pipeline => "pipeline",
+            Sort::Study => "study",
+            Sort::Scene => "scene",
+        }
+    }
+
+    /// Returns what a `.ron` file describes, by its first word.
+    fn of_text(text: &str) -> Option<Sort> {
+        let mut lines = text.lines().map(str::trim);
+        let code =
+            lines.find(|line| !(line.is_empty() || line.starts_with("//") || line.starts_with("#!")))?;
+        let word = code.split(|c: char| !c.is_alphanumeric()).next()?.to_lowercase();
+        Sort::ALL.into_iter().find(|sort| sort.name() == word)
     }
 }
 

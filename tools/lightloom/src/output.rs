@@ -40,8 +40,8 @@ macro_rules! stdout {
 }
 pub(crate) use stdout;
 
-/// Prints the warnings of a pipeline that is run, and names that could mean two files, on standard error; as JSON,
-/// `{ "warnings": [ … ] }`. Other notes are printed by `check` alone.
+/// Prints the warnings of a pipeline that is run, names that could mean two files, and light that is left out, on standard
+/// error; as JSON, `{ "warnings": [ … ] }`. Other notes are printed by `check` alone.
 pub(crate) fn warn(of: &Diagnostics, as_json: bool) {
     let is_printed = |one: &&Diagnostic| one.severity > Severity::Note || one.code == SHADOWED.code;
     match Diagnostics(of.0.iter().filter(is_printed).cloned().collect()) {
@@ -79,13 +79,20 @@ pub(crate) fn errors(error: &anyhow::Error) -> Value {
     if let Some(diagnostics) = error.chain().find_map(diagnostics) {
         return diagnostics.to_json();
     }
+    let file = error.chain().find_map(|error| match error.downcast_ref::<SceneError>()? {
+        SceneError::Gltf { file: path, .. } | SceneError::Unreadable { path, .. } => {
+            Some(path.display().to_string())
+        }
+        SceneError::Empty { file, .. } | SceneError::TooLarge { file, .. } => Some(file.clone()),
+        _ => None,
+    });
     let mut causes: Vec<String> = error.chain().skip(1).map(ToString::to_string).collect();
     causes.dedup();
     json!([{
         "code": null,
         "severity": "error",
         "message": error.to_string(),
-        "file": null,
+        "file": file,
         "line": null,
         "column": null,
         "labels": [],

@@ -4,7 +4,7 @@ use super::flatten::Resolver;
 use crate::codes;
 use crate::description::{Body, Description, PassDecl, parse_file};
 use data_file::paths::{OUTSIDE, beside, is_from_own_folder, may_name};
-use data_file::{Diagnostic, Name, Place, Source};
+use data_file::{Diagnostic, Name, Place, Source, why_unreadable};
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -82,11 +82,18 @@ impl Resolver<'_> {
             Located::InRoots => self.files.read(path),
         };
         let Some(source) = source else {
-            let list = self.files.list();
-            let error = Diagnostic::new(&codes::NO_FILE, format!("there is no pipeline file `{path}`"))
-                .label(self.sources.span(place), "")
-                .suggest("files", path, list.iter().map(String::as_str));
-            self.errors.push(error);
+            let span = self.sources.span(place);
+            let own = beside(&span.source.name, path).and_then(|own| why_unreadable(Path::new(&own)));
+            let error =
+                match own {
+                    Some(why) => Diagnostic::new(&codes::NO_FILE, format!("`{path}` cannot be read: {why}")),
+                    None => {
+                        let list = self.files.list();
+                        Diagnostic::new(&codes::NO_FILE, format!("there is no pipeline file `{path}`"))
+                            .suggest("files", path, list.iter().map(String::as_str))
+                    }
+                };
+            self.errors.push(error.label(span, ""));
             return None;
         };
         if let Some(loaded) = self.loaded.get(&source.name) {

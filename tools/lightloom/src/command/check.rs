@@ -1,10 +1,11 @@
 //! `lightloom check`: everything that can be checked without a GPU.
 
 use crate::command::study::{self, CatalogRegistry, overrides};
-use crate::context::Context;
+use crate::context::{Context, Sort};
 use crate::output::{self, stdout};
 use ::study::Plan;
 use anyhow::{Result, anyhow, bail};
+use data_file::why_unreadable;
 use frame_graph::resolve::Files;
 use frame_graph::{
     Diagnostic, Diagnostics, LinkContext, Overrides, Severity, Traits, nearest_of_few, resolve,
@@ -38,6 +39,8 @@ struct Checked {
     result: Result<String>,
     /// Warnings and notes.
     warnings: Diagnostics,
+    /// What is repaired or left out of a scene.
+    repairs: Vec<String>,
 }
 
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
@@ -56,44 +59,42 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let judged: Vec<&String> =
         args.scene.as_ref().map_or_else(|| scenes.iter().collect(), |scene| vec![scene]);
     for name in &names {
-        let is_scene = name.ends_with(".glb")
-            || name.ends_with(".gltf")
-            || (scenes.contains(name) && !is_pipeline(catalog, name))
-            || is_file_of(catalog, name, "Scene");
-        let is_study =
-            (studies.contains(name) && !is_pipeline(catalog, name)) || is_file_of(catalog, name, "Study");
-        let mut warnings = Diagnostics::default();
-        let is_there = is_scene || is_study || is_pipeline(catalog, name);
-        let result = if !is_there {
-            Err(not_there(name, [&scenes, &pipelines, &studies]))
-        } else if is_study {
-            check_study(context, name, &mut traits, &mut warnings)
-        } else if is_scene {
-            load_scene(catalog, name)
-                .map(|scene| format!("scene of {} triangles", scene.triangles()))
-                .map_err(Into::into)
-        } else {
-            for scene in &judged {
-                know_traits(catalog, scene, &mut traits)?;
+        let sort = Sort::ALL.into_iter().find(|sort| context.is(*sort, name));
+        let (mut warnings, mut repairs) = (Diagnostics::default(), Vec::new());
+        let result = match sort {
+            None => Err(not_there(name, [&scenes, &pipelines, &studies])),
+            Some(Sort::Study) => check_study(context, name, &mut traits, &mut warnings),
+            Some(Sort::Scene) => load_scene(catalog, name)
+                .map(|scene| {
+                    repairs.clone_from(&scene.repairs);
+                    format!("scene of {} triangles", scene.triangles())
+                })
+                .map_err(Into::into),
+            Some(Sort::Pipeline) => {
+                for scene in &judged {
+                    know_traits(catalog, scene, &mut traits)?;
+                }
+                check_pipeline(catalog, name, &judged, &traits, &mut warnings).map_err(Into::into)
             }
-            check_pipeline(catalog, name, &judged, &traits, &mut warnings).map_err(Into::into)
         };
         if args.names.is_empty() {
             // Among all files, notes are about what is meant.
             warnings.0.retain(|warning| warning.severity > Severity::Note);
+            repairs.clear();
         }
-        results.push((name.clone(), Checked { result, warnings }));
+        results.push((name.clone(), Checked { result, warnings, repairs }));
     }
     let failed = results.iter().filter(|(_, checked)| checked.result.is_err()).count();
     if context.json {
         let rows: Vec<Value> = results.iter().map(|(name, checked)| row(name, checked)).collect();
         output::json(&json!({ "checked": rows, "failed": failed }));
     } else {
-        for (name, Checked { result, warnings }) in &results {
+        for (name, Checked { result, warnings, repairs }) in &results {
             match result {
                 Ok(what) => stdout!("ok      {name}: {what}"),
                 Err(errors) => stdout!("failed  {name}\n{}", errors.to_string().trim_end()),
             }
+            repairs.iter().for_each(|repair| stdout!("note: {repair}"));
             if !warnings.0.is_empty() {
                 stdout!("{warnings}");
             }
@@ -115,6 +116,7 @@ fn row(name: &str, checked: &Checked) -> Value {
         "what": what,
         "errors": errors,
         "warnings": checked.warnings.to_json(),
+        "notes": checked.repairs,
     })
 }
 
@@ -128,10 +130,6 @@ fn know_traits(catalog: &Catalog, scene: &str, traits: &mut BTreeMap<String, Tra
 
 fn stem(path: &str) -> String {
     path.trim_start_matches("scenes/").trim_end_matches(".ron").to_owned()
-}
-
-fn is_pipeline(catalog: &Catalog, name: &str) -> bool {
-    catalog.pipelines().read(name).is_some()
 }
 
 /// Checks every name and value of a study, and compiles its pipelines with the values that its cells give them; returns
@@ -179,7 +177,13 @@ fn not_there(name: &str, known: [&Vec<String>; 3]) -> anyhow::Error {
     if Path::new(name).is_dir() {
         return anyhow!("`{name}` is a folder: name the files in it");
     }
+    if let Some(why) = why_unreadable(Path::new(name)) {
+        return anyhow!("`{name}` cannot be read: {why}");
+    }
     let stem = name.strip_suffix(".ron").unwrap_or(name);
+    if Path::new(name).is_file() {
+        return anyhow!("`{name}` is no pipeline, scene or study: such files end in .ron, .glb or .gltf");
+    }
     match nearest_of_few(stem, known.into_iter().flatten().map(String::as_str)) {
         Some(near) => anyhow!("there is no pipeline, scene or study `{name}`; did you mean `{near}`?"),
         None => anyhow!(
@@ -187,16 +191,6 @@ fn not_there(name: &str, known: [&Vec<String>; 3]) -> anyhow::Error {
              files end in .ron, .glb or .gltf"
         ),
     }
-}
-
-/// Returns whether a `.ron` file describes a scene or a study, by its first word.
-fn is_file_of(catalog: &Catalog, name: &str, what: &str) -> bool {
-    let text = catalog.assets().text(name).unwrap_or_default();
-    let code = text
-        .lines()
-        .map(str::trim)
-        .find(|line| !line.is_empty() && !line.starts_with("//") && !line.starts_with("#!"));
-    name.ends_with(".ron") && code.is_some_and(|line| line.starts_with(what))
 }
 
 /// Compiles a pipeline for every scene: each has other switches on.

@@ -1,6 +1,6 @@
 //! `lightloom diff`: the differences between two pipelines.
 
-use crate::context::{Context, parse_set};
+use crate::context::{Context, Sort, parse_set};
 use crate::output::{self, stdout};
 use anyhow::Result;
 use frame_graph::resolve::diff;
@@ -26,6 +26,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
+    [&args.a, &args.b].into_iter().try_for_each(|name| context.expect(Sort::Pipeline, name))?;
     let files = context.catalog.pipelines();
     let both = Overrides(args.set.clone());
     let second = Overrides([&args.set[..], &args.set_second].concat());

@@ -1,6 +1,6 @@
 //! `lightloom graph`: the compiled graph as text, SVG, DOT or JSON.
 
-use crate::context::{Context, Values, parse_size};
+use crate::context::{Context, Sort, Values, parse_size};
 use crate::output::{stdout, warn};
 use anyhow::{Context as _, Result, bail};
 use frame_graph::{CompileOptions, LinkContext, compile, link, resolve};
@@ -30,6 +30,8 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
+    context.expect(Sort::Pipeline, &args.pipeline)?;
+    args.scene.iter().try_for_each(|scene| context.expect(Sort::Scene, scene))?;
     let catalog = &context.catalog;
     let link_context = LinkContext { frame: args.size, traits: context.traits(args.scene.as_deref())? };
     let resolved = resolve(&args.pipeline, catalog.pipelines(), &args.values.overrides())?;

@@ -1,7 +1,7 @@
 //! `lightloom pipelines`, `scenes`, `measures`, `adapters`: lists.
 
 use super::passes::{setting_json, setting_text};
-use crate::context::Context;
+use crate::context::{Context, Sort};
 use crate::output::{self, stdout};
 use anyhow::{Result, bail};
 use frame_graph::{Overrides, resolve};
@@ -54,6 +54,7 @@ pub(crate) fn pipelines(context: &Context, args: &PipelinesArgs) -> Result<()> {
 
 /// Prints a pipeline's description, its outputs, and the parameters that `--set` takes.
 fn pipeline(context: &Context, name: &str) -> Result<()> {
+    context.expect(Sort::Pipeline, name)?;
     let resolved = resolve(name, context.catalog.pipelines(), &Overrides::default())?;
     let (about, paper) = (resolved.about().unwrap_or_default(), resolved.paper().unwrap_or_default());
     let outputs: Vec<&str> = resolved.outputs().map(|name| name.as_str()).collect();

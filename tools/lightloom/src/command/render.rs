@@ -5,7 +5,7 @@ mod log;
 mod report;
 mod watch;
 
-use crate::context::{Context, Values, parse_size};
+use crate::context::{Context, Sort, Values, parse_size};
 use crate::output::{progress, stderr, warn};
 use anyhow::{Context as _, Result, bail};
 use faults::explain_black;
@@ -94,6 +94,8 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
             u32::MAX - 1
         );
     }
+    context.expect(Sort::Pipeline, &args.pipeline)?;
+    context.expect(Sort::Scene, &args.scene)?;
     let out = Sequence::new(&args.out, args.frames)?;
     let catalog = match args.thread_order {
         Some(seed) => Arc::new(Catalog::with_thread_order(context.catalog.assets().clone(), seed)),

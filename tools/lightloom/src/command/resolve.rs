@@ -1,6 +1,6 @@
 //! `lightloom resolve`: a pipeline without its inheritance.
 
-use crate::context::{Context, Values};
+use crate::context::{Context, Sort, Values};
 use crate::output::stdout;
 use anyhow::Result;
 use frame_graph::resolve;
@@ -16,6 +16,7 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
+    context.expect(Sort::Pipeline, &args.pipeline)?;
     let resolved = resolve(&args.pipeline, context.catalog.pipelines(), &args.values.overrides())?;
     if context.json {
         crate::output::json(&resolved.to_json(&*context.catalog));

@@ -4,9 +4,10 @@ mod laboratory;
 mod progress;
 mod registry;
 
-use crate::context::{Context, parse_set, parse_size, set_text, unknown};
+use crate::context::{Context, Sort, parse_set, parse_size, set_text, unknown};
 use crate::output::{self, stdout, warn};
 use anyhow::{Context as _, Result, bail};
+use data_file::why_unreadable;
 use frame_graph::{Diagnostics, Overrides, Source, Value, resolve};
 pub(crate) use laboratory::GpuLaboratory;
 pub(crate) use progress::Progress;
@@ -191,10 +192,14 @@ fn failed(count: usize) -> String {
 
 /// Returns a study by name or path.
 pub(crate) fn source(context: &Context, name: &str) -> Result<Arc<Source>> {
+    context.expect(Sort::Study, name)?;
     let file = if name.ends_with(".ron") { name.to_owned() } else { format!("{name}.ron") };
     for path in [format!("studies/{file}"), file] {
         if let Some(text) = context.catalog.assets().text(&path) {
             return Ok(Source::new(path, text));
+        }
+        if let Some(why) = why_unreadable(Path::new(&path)) {
+            bail!("`{path}` cannot be read: {why}");
         }
     }
     let known = names(context);

@@ -1,6 +1,6 @@
 //! `lightloom view`: the window.
 
-use crate::context::{Context, Values};
+use crate::context::{Context, Sort, Values};
 use anyhow::{Result, bail};
 use frame_graph::resolve::Files as _;
 use scene::SceneError;
@@ -30,6 +30,8 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
+    args.pipeline.iter().try_for_each(|name| context.expect(Sort::Pipeline, name))?;
+    args.scene.iter().try_for_each(|name| context.expect(Sort::Scene, name))?;
     // A name without a file is an error here; an error inside a file is shown in the window until it is corrected.
     if let Some(pipeline) = &args.pipeline
         && context.catalog.pipelines().read(pipeline).is_none()
