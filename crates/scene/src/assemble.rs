@@ -20,6 +20,7 @@ use crate::scene::{
     Driver, Instance, Motion, MovingMesh, Scene, Vertex, camera_at_node, place_and_direction,
 };
 use crate::shape::{Shape, usable};
+use crate::units;
 
 /// Three quarters of what a 4 GiB buffer can hold: 64 Mi vertices of 48 bytes.
 const MAX_VERTICES: usize = 1 << 26;
@@ -218,6 +219,7 @@ impl Assembly {
             let message = "the camera's position and target are too near each other: it looks along −z";
             scene.repairs.push(message.into());
         }
+        scene.repairs.extend(units::suspects(&scene));
         scene.hash = hash::scene(&scene);
         scene
     }

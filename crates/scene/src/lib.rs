@@ -38,6 +38,7 @@ mod origin;
 mod pick;
 mod scene;
 mod shape;
+mod units;
 
 pub use built_in::names as built_in_names;
 pub use camera::Camera;

@@ -9,7 +9,8 @@ use scene::{LightKind, SceneError, load};
 use serde_json::json;
 
 use crate::common::{
-    Glb, Shipped, built_in, folder_of, load_path, load_text_in, scene_of, shipped, states, try_load,
+    Glb, Shipped, assert_states, built_in, folder_of, load_path, load_text_in, scene_of, shipped, states,
+    try_load,
 };
 
 #[test]
@@ -145,4 +146,25 @@ fn the_hash_is_of_the_content() {
     assert_ne!(hash(cube), hash(&cube.replace("(0, 2, 0)", "(0, 3, 0)")), "another light");
     assert_ne!(hash(cube), hash(&cube.replace("\"cube\"", "\"sphere\"")), "another body");
     assert_ne!(shipped("cornell-box").hash, shipped("cornell-box-point").hash, "other scenes");
+}
+
+#[test]
+fn values_that_look_as_if_they_were_in_another_unit_are_stated() {
+    let scene = |fov: f32, cone: f32, scale: f32| {
+        scene_of(&format!(
+            r#"Scene(
+                geometry: Objects([Object(name: "cube", geometry: BuiltIn("cube"), transform: Transform(scale: ({scale:?}, 1, 1)))]),
+                camera: Camera(position: (0, 0, 9), target: (0, 0, 0), vertical_fov_deg: {fov:?}),
+                lights: [Spot(name: "lamp", position: (0, 0, 2), direction: (0, 0, -1), intensity: (1, 1, 1), outer_deg: {cone:?})],
+            )"#
+        ))
+    };
+    assert_eq!(scene(40.0, 30.0, 1.0).repairs, [""; 0]);
+    let radians = scene(0.686, 0.52, 1.0);
+    assert_states(
+        &radians,
+        "half the cone of the light `lamp` is 0.52°: in scene files angles are in degrees",
+    );
+    assert_states(&radians, "what the camera sees from top to bottom is 0.69°");
+    assert_states(&scene(40.0, 30.0, 4000.0), "m wide: lengths are in metres");
 }
