@@ -18,6 +18,9 @@ use crate::material::{Encoding, Material, Texture, Wrap};
 /// A texture of the document, with the encoding in which a material uses it.
 type Key = (usize, Encoding);
 
+/// The index by which the crate `gltf` says that a texture names no image.
+const NO_IMAGE: usize = u32::MAX as usize;
+
 /// Access to the field of a material that holds the index of one of its textures.
 type Slot = fn(&mut Material) -> &mut Option<u32>;
 
@@ -156,6 +159,13 @@ impl Importer<'_> {
                 None => [Wrap::Repeat; 2],
             };
             let image = texture.source.value();
+            if image == NO_IMAGE {
+                let repair = format!("{place} is taken as white: it names an image by an extension alone");
+                if !self.repairs.contains(&repair) {
+                    self.repairs.push(repair);
+                }
+                continue;
+            }
             sources.insert(usage.key, (image, wrap));
             if seen.insert(image) {
                 match self.encoded_image(image, &place)? {

@@ -189,6 +189,17 @@ fn a_texture_that_cannot_be_read_is_white_and_stated() {
 }
 
 #[test]
+fn a_texture_without_an_image_of_its_own_is_white_and_stated() {
+    let mut glb = textured(json!({ "uri": "missing.png" }), &[]);
+    for texture in glb.json["textures"].as_array_mut().expect("textures") {
+        *texture = json!({ "extensions": { "KHR_texture_basisu": { "source": 0 } } });
+    }
+    let scene = glb.scene();
+    assert_states(&scene, "texture 0 is taken as white: it names an image by an extension alone");
+    assert_eq!(scene.materials[0].base_color_texture, None, "white");
+}
+
+#[test]
 fn buffers_and_images_are_read_from_files_beside() {
     let glb = textured(json!({ "uri": "a%20picture.png" }), &[]);
     let mut json = glb.json.clone();
