@@ -116,3 +116,18 @@ fn a_difference_in_samples_is_shown() {
     );
     assert!(!lightloom(&["diff", "ism", "ism-invtm"]).out.contains("samples picture"));
 }
+
+#[test]
+fn too_many_lights_are_named_as_such() {
+    let catalog = Catalog::new(Assets::new(None));
+    let mut traits = renderer::load_scene(&catalog, "cornell-box").expect("it is built in").traits();
+    traits.0.insert("light_layers".to_owned(), Value::U32(6000));
+    let context = LinkContext { frame: (16, 16), traits };
+    let options = renderer::compile_options();
+    let refused = Compiled::new(&catalog, "ism", &Overrides::default(), &context, &options);
+    let refused = refused.err().map(|errors| errors.to_string()).unwrap_or_default();
+    assert!(
+        refused.contains("the lights of the scene need 6000 layers, of which a point light has six"),
+        "{refused}"
+    );
+}

@@ -7,14 +7,24 @@ use pass::{
 
 pass::from_wgsl!(outputs, record);
 
+/// The most layers of an array on any device.
+const MOST_LAYERS: u32 = 4096;
+
 /// Returns the number of layers of the scene's lights: one for a spot or directional light, six for a point light.
 fn light_layers(traits: &Traits) -> u32 {
     traits.0.get("light_layers").and_then(Value::as_u32).unwrap_or(0)
 }
 
 fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
+    let layers = light_layers(cx.traits);
+    if layers > MOST_LAYERS {
+        let message = format!(
+            "the lights of the scene need {layers} layers, of which a point light has six; there are at most {MOST_LAYERS}"
+        );
+        return Err(PassTypeError::new(message).help("render the scene with fewer lights"));
+    }
     let mut outputs = cx.declared()?;
-    if light_layers(cx.traits) == 0 {
+    if layers == 0 {
         // Nothing is rendered: there is one layer, which sees nothing.
         for (_, _, usage) in &mut outputs[0].members {
             *usage = Usage::ClearFirst(Clear::Zero);
