@@ -20,7 +20,7 @@ const SECTIONS: [(char, &str, &str); 6] = [
         'W',
         "Warnings and notes",
         "With these, everything runs. `lightloom check` prints all of them; `render`, `graph` and `study` print warnings, \
-         and W002, on standard error.",
+         W002 and W004, on standard error.",
     ),
 ];
 

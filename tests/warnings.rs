@@ -5,6 +5,61 @@ use crate::program::{Done, Folder, command, lightloom, run_in};
 use frame_graph::{LinkContext, Overrides, Value};
 use renderer::{Assets, Catalog, Compiled};
 
+/// Returns the warnings about a pipeline of the tree, for a scene that has these traits too.
+fn warnings_with(pipeline: &str, traits: &[&str]) -> String {
+    let catalog = Catalog::new(Assets::new(None));
+    let mut known = renderer::load_scene(&catalog, "cornell-box").expect("it is built in").traits();
+    known.0.extend(traits.iter().map(|name| ((*name).to_owned(), Value::Bool(true))));
+    let context = LinkContext { frame: (16, 16), traits: known };
+    let (set, options) = (Overrides::default(), renderer::compile_options());
+    let compiled = Compiled::new(&catalog, pipeline, &set, &context, &options);
+    let compiled = compiled.unwrap_or_else(|errors| panic!("{errors}"));
+    compiled.warnings(&catalog, pipeline, &set, &context, &options).to_string()
+}
+
+#[test]
+fn light_that_a_pipeline_leaves_out_is_noted() {
+    assert_eq!(warnings_with("ism", &[]), "");
+    let emitters = warnings_with("ism", &["emissive"]);
+    assert!(emitters.contains("note[W004]: the scene has surfaces that emit"), "{emitters}");
+    let glossy = warnings_with("ism", &["glossy"]);
+    assert!(
+        glossy.contains("note[W004]: the scene is glossy, and nothing is linked to `image.glossy`"),
+        "{glossy}"
+    );
+    // Photons come from emitters too.
+    assert_eq!(warnings_with("instant-radiosity", &["emissive"]), "");
+    assert_eq!(warnings_with("reference", &["emissive", "glossy"]), "");
+}
+
+#[test]
+fn a_value_for_a_pass_that_does_not_run_is_reported() {
+    let culled = lightloom(&["graph", "acrsm", "--set", "cells.dot=5"]).success();
+    culled.says(&["warning[W003]: `cells.dot` has no effect", "no output that is rendered needs `cells`"]);
+    // The value that it has anyway, and one that counts.
+    for set in ["cells.dot=3", "gather.clamp=0.125"] {
+        let done = lightloom(&["graph", "acrsm", "--set", set]).success();
+        assert!(done.err.is_empty(), "{set}: {done}");
+    }
+}
+
+#[test]
+fn an_axis_that_changes_nothing_is_reported() {
+    let study = |axes: &str| {
+        format!(
+            "Study(about: \"x\", scenes: [\"cornell-box\"], pipelines: [\"acrsm\"], output: \"image\", \
+             vary: {axes}, size: (8, 8), budget: Frames(1), measures: [\"gpu-ms\"])"
+        )
+    };
+    let vain = study("Grid({ \"cells.dot\": [1.0, 2.0], \"lights\": [32, 64] })");
+    let mine = Folder::new(&[("vain.ron", &vain), ("good.ron", &study("Grid({ \"lights\": [32, 64] })"))]);
+    let found = run_in(&mine, &["check", "vain.ron"]).success();
+    assert_eq!(found.out.matches("W003").count(), 1, "{found}");
+    found.says(&["the axis `cells.dot` has no effect on `acrsm`"]);
+    let good = run_in(&mine, &["check", "good.ron"]).success();
+    assert!(!good.out.contains("W003"), "{good}");
+}
+
 #[test]
 fn known_outputs_hold_what_their_names_say() {
     let outputs = |outputs: &str| format!("Pipeline(extends: \"ism.ron\", outputs: {{ {outputs} }})");

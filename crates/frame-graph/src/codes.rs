@@ -42,4 +42,6 @@ data_file::codes! {
     NO_OUTPUTS = "E061": "The pipeline has no outputs, so nothing in it is needed.";
     SUB_AS_PIPELINE = "E062": "A sub-graph, which has `inputs`, was used as a whole pipeline.";
     REMOVED = "W001": "A patch removed a pass without `off:`: links and outputs of the pipeline are lost with it.";
+    NO_EFFECT = "W003": "A value has no effect: nothing uses the parameter, it is set or replaced again in the same file, or no pass that runs takes it.";
+    LEFT_OUT = "W004": "The pipeline leaves out light that the scene has.";
 }

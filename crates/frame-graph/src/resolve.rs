@@ -11,6 +11,7 @@ mod lost;
 mod old;
 mod print;
 mod settable;
+mod unused;
 mod variant;
 
 pub use diff::{Difference, diff};
@@ -63,6 +64,8 @@ pub(crate) struct Parameter {
     /// What it is; `None` where it is what the settings are that it is handed to.
     pub(crate) value: Option<Value>,
     pub(crate) place: Place,
+    /// Where it is declared.
+    pub(crate) declared: Place,
     /// The parameter of the file around the sub-graph that is handed to it as it is.
     pub(crate) outer: Option<Name>,
 }

@@ -23,6 +23,7 @@ mod provenance;
 mod reload;
 mod results;
 mod shared;
+mod warnings;
 
 pub use catalog::{Assets, Catalog, Named};
 pub use compile::{Compiled, compile_options};
@@ -33,9 +34,12 @@ pub use interfaces::progress::Progress;
 pub use provenance::{Provenance, RecordedLight, is_path_from, parse_value};
 pub use reload::{Reload, reload_all};
 pub use shared::SharedScene;
+pub use warnings::without_effect;
 
 use executor::Executor;
-use frame_graph::{Change, CompileOptions, LinkContext, Overrides, Plan, ResetCause, SceneBindings, Value};
+use frame_graph::{
+    Change, CompileOptions, Diagnostics, LinkContext, Overrides, Plan, ResetCause, SceneBindings, Value,
+};
 use glam::Vec2;
 use pass::LinkedSteps;
 use scene::{Camera, Light, Pose, Scene};
@@ -403,6 +407,14 @@ impl Renderer {
     /// Returns the pipeline as compiled.
     pub fn compiled(&self) -> Option<&Compiled> {
         self.pipeline.as_ref().map(|pipeline| &pipeline.compiled)
+    }
+
+    /// Returns the warnings about the pipeline in this scene: see [`Compiled::warnings`].
+    pub fn warnings(&self) -> Diagnostics {
+        let Some(Loaded { name, overrides, compiled, .. }) = &self.pipeline else {
+            return Diagnostics::default();
+        };
+        compiled.warnings(&self.catalog, name, overrides, &self.link_context(), &self.options)
     }
 
     /// Returns the name by which the pipeline was set; empty before.

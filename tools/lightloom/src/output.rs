@@ -2,6 +2,7 @@
 
 use anyhow::{Context as _, Result};
 use data_file::codes::SHADOWED;
+use frame_graph::codes::LEFT_OUT;
 use frame_graph::{Diagnostic, Diagnostics, Severity};
 use indicatif::{ProgressBar, ProgressStyle};
 use renderer::RenderError;
@@ -43,7 +44,9 @@ pub(crate) use stdout;
 /// Prints the warnings of a pipeline that is run, names that could mean two files, and light that is left out, on standard
 /// error; as JSON, `{ "warnings": [ … ] }`. Other notes are printed by `check` alone.
 pub(crate) fn warn(of: &Diagnostics, as_json: bool) {
-    let is_printed = |one: &&Diagnostic| one.severity > Severity::Note || one.code == SHADOWED.code;
+    let is_printed = |one: &&Diagnostic| {
+        one.severity > Severity::Note || [SHADOWED.code, LEFT_OUT.code].contains(&one.code)
+    };
     match Diagnostics(of.0.iter().filter(is_printed).cloned().collect()) {
         none if none.0.is_empty() => {}
         warnings if as_json => stderr!("{:#}", json!({ "warnings": warnings.to_json() })),

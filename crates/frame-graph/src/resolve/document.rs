@@ -5,7 +5,7 @@ use crate::codes;
 use crate::description::{
     At, Body, Description, Entry, InputDecl, Link, OutputDecl, ParameterDecl, PassDecl, Patch, Target,
 };
-use data_file::{Diagnostic, Name, Place, nearest};
+use data_file::{Diagnostic, Name, Place, Severity, Source, nearest};
 use std::sync::Arc;
 
 /// Longest chain of `extends`.
@@ -22,15 +22,27 @@ pub(super) struct Document {
     pub(super) outputs: Vec<OutputDecl>,
     /// What `Set` gives, in order.
     pub(super) assignments: Vec<Assignment>,
+    /// What the file itself says, and none that it extends.
+    pub(super) own: Own,
+}
+
+/// The part of a document that is not inherited.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Own {
+    /// Index of the file.
+    pub(super) file: Option<u32>,
+    /// The parameters that it adds to those that it inherits.
+    pub(super) parameters: Vec<At<Name>>,
 }
 
 impl Document {
-    /// Drops the values that patches have given to a pass, or to what is inside it: it is replaced or removed.
-    fn forget_assignments_to(&mut self, pass: &str) {
-        self.assignments.retain(|assignment| {
+    /// Takes out the values that patches have given to a pass, or to what is inside it.
+    fn take_assignments_to(&mut self, pass: &str) -> Vec<Assignment> {
+        let is_of_pass = |assignment: &mut Assignment| {
             let rest = assignment.path.strip_prefix(pass);
-            !rest.is_some_and(|rest| rest.starts_with(['.', '/']))
-        });
+            rest.is_some_and(|rest| rest.starts_with(['.', '/']))
+        };
+        self.assignments.extract_if(.., is_of_pass).collect()
     }
 
     /// Makes what reads a pass read what is fed to it instead.
@@ -85,7 +97,13 @@ impl Resolver<'_> {
         for base in bases.iter().rev() {
             self.merge(&mut document, base);
         }
+        let is_new = |name: &Name| document.parameters.iter().all(|known| known.name.value != *name);
+        let new = description.parameters.iter().map(|decl| &decl.name).filter(|name| is_new(&name.value));
+        let parameters = new.filter(|_| description.extends.is_some()).cloned().collect();
         self.merge(&mut document, description);
+        let is_own = |source: &Arc<Source>| Arc::ptr_eq(source, &description.source);
+        document.own =
+            Own { file: self.sources.0.iter().position(is_own).map(|index| index as u32), parameters };
         document
     }
 
@@ -184,11 +202,27 @@ impl Resolver<'_> {
         found
     }
 
+    /// Drops the values that patches have given to a pass that is replaced or removed here.
+    fn forget_assignments(&mut self, document: &mut Document, name: &At<Name>) {
+        for Assignment { path, path_place, .. } in document.take_assignments_to(&name.value) {
+            // A variant may well replace what its base sets.
+            if path_place.file == name.place.file {
+                let message =
+                    format!("the value of `{path}` has no effect: `{}` is patched after it", name.value);
+                let note = "write the value in `set:` of the new pass, or `Set` after the other patch";
+                let warning = Diagnostic::warning(&codes::NO_EFFECT, Severity::Warning, message)
+                    .label(self.sources.span(path_place), "")
+                    .label(self.sources.span(name.place), "patched here");
+                self.notes.push(warning.note(note));
+            }
+        }
+    }
+
     fn patch(&mut self, document: &mut Document, patch: &Patch) {
         match patch {
             Patch::Replace { name, decl } => {
                 let Some(i) = self.find(document, &name.value, name.place) else { return };
-                document.forget_assignments_to(&name.value);
+                self.forget_assignments(document, name);
                 let entry = &mut document.passes[i];
                 let mut decl = PassDecl::clone(decl);
                 for link in &entry.decl.links {
@@ -204,7 +238,7 @@ impl Resolver<'_> {
             }
             Patch::Remove { name } => {
                 let Some(i) = self.find(document, &name.value, name.place) else { return };
-                document.forget_assignments_to(&name.value);
+                self.forget_assignments(document, name);
                 let decl = &mut document.passes[i].decl;
                 if decl.off.is_some() {
                     Arc::make_mut(decl).removed = Some(name.place);

@@ -9,7 +9,7 @@ use crate::description::{
     At, Body, Description, Entry, Group, InputDecl, Link, OutputDecl, PassDecl, Set, SetValue, Sub,
 };
 use data_file::{Diagnostic, Diagnostics, Misfit, Name, Place, Setting, Source, Sources, Value, nearest};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -52,6 +52,8 @@ pub(super) struct Resolver<'a> {
     pub(super) loaded: FxHashMap<String, Option<Rc<Description>>>,
     /// What names mean, by the file that holds them.
     pub(super) located: FxHashMap<(u32, String), Located>,
+    /// Where the parameters are declared that something uses.
+    pub(super) used: FxHashSet<Place>,
     /// What is no error.
     pub(super) notes: Vec<Diagnostic>,
     pub(super) errors: Vec<Diagnostic>,
@@ -71,6 +73,7 @@ impl<'a> Resolver<'a> {
             sources: Sources(vec![root]),
             loaded: FxHashMap::default(),
             located: FxHashMap::default(),
+            used: FxHashSet::default(),
             notes: Vec::new(),
             errors: Vec::new(),
             nodes: Vec::new(),
@@ -131,9 +134,14 @@ impl<'a> Resolver<'a> {
         parent: Option<u32>,
         given: Vec<Assignment>,
     ) -> (Scope, Vec<OutputDecl>) {
-        let Document { parameters: decls, passes, mut outputs, mut assignments, .. } = document;
+        let Document { parameters: decls, passes, mut outputs, mut assignments, own, .. } = document;
         assignments.extend(given);
+        self.note_set_again(&assignments);
+        let set = assignments.iter().filter(|a| own.file == Some(a.path_place.file));
+        let set: Vec<At<Name>> =
+            set.map(|a| At { value: Name::from(&*a.path), place: a.path_place }).collect();
         for decl in decls {
+            let declared = decl.place;
             let place = decl.default.as_ref().map_or(decl.place, |default| default.place);
             let default = decl.default.map(|default| default.value);
             let setting = Setting {
@@ -148,13 +156,13 @@ impl<'a> Resolver<'a> {
                 declared: String::new(),
             };
             let value = default.map(|default| self.checked(&setting, default, place, None));
-            scope.push(Parameter { setting, value, place, outer: None });
+            scope.push(Parameter { setting, value, place, declared, outer: None });
         }
         let mut routed: FxHashMap<usize, Vec<Assignment>> = FxHashMap::default();
         // Parameters first: what a patch gives a pass by `"$name"` is their last value, also where that comes from outside.
-        let (own, passed_on): (Vec<_>, Vec<_>) =
+        let (of_parameters, of_passes): (Vec<_>, Vec<_>) =
             assignments.into_iter().partition(|assignment| !assignment.path.contains('.'));
-        for assignment in own.into_iter().chain(passed_on) {
+        for assignment in of_parameters.into_iter().chain(of_passes) {
             if assignment.depth == 1
                 && let SetValue::Parameter(outer, _) = &assignment.value
                 && let Some(parameter) = scope.iter_mut().find(|p| p.setting.name == assignment.path)
@@ -207,6 +215,7 @@ impl<'a> Resolver<'a> {
                 output.link.target = prefixed(&output.link.target, prefix);
             }
         }
+        self.note_unused(own.parameters.iter().chain(&set), &scope);
         (scope, outputs)
     }
 

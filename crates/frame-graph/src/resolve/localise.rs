@@ -143,7 +143,9 @@ impl Resolver<'_> {
 
     fn lookup<'s>(&mut self, name: &str, place: Place, scope: &'s Scope) -> Option<&'s Parameter> {
         let found = scope.iter().find(|p| p.setting.name == name);
-        if found.is_none() {
+        if let Some(found) = found {
+            self.used.insert(found.declared);
+        } else {
             let known = || scope.iter().map(|p| p.setting.name.as_str());
             let mut error =
                 Diagnostic::new(&codes::UNKNOWN_PARAMETER, format!("there is no parameter `{name}`"))

@@ -1,6 +1,6 @@
 //! `lightloom check`: everything that can be checked without a GPU.
 
-use crate::command::study::{self, CatalogRegistry, overrides};
+use crate::command::study::{self, CatalogRegistry, MOST_RUNS, overrides};
 use crate::context::{Context, Sort};
 use crate::output::{self, stdout};
 use ::study::Plan;
@@ -29,9 +29,6 @@ pub(crate) struct Args {
     #[arg(long)]
     scene: Option<String>,
 }
-
-/// The most runs of a study that are compiled.
-const MOST_RUNS: usize = 1000;
 
 /// The result of a check.
 struct Checked {
@@ -145,14 +142,17 @@ fn check_study(
     let plan = Plan::new(study, &CatalogRegistry::new(Arc::clone(catalog)))?;
     warnings.0.extend(plan.notes.0.iter().cloned());
     let runs = plan.distinct_runs();
-    let mut errors: Vec<Diagnostic> = Vec::new();
+    let (mut errors, mut plans): (Vec<Diagnostic>, _) = (Vec::new(), Vec::new());
     for run in runs.iter().take(MOST_RUNS) {
         know_traits(catalog, &run.scene, traits)?;
         let link = LinkContext { frame: run.size, traits: traits[&run.scene].clone() };
         let compiled =
             Compiled::new(catalog, &run.pipeline, &overrides(&run.set), &link, &renderer::compile_options());
         let (found, list) = match compiled {
-            Ok(compiled) => (compiled.resolved.warnings(), &mut warnings.0),
+            Ok(compiled) => {
+                plans.push((*run, compiled.plan.id));
+                (compiled.resolved.warnings(), &mut warnings.0)
+            }
             Err(found) => (found, &mut errors),
         };
         for diagnostic in found.0 {
@@ -165,6 +165,7 @@ fn check_study(
     if !errors.is_empty() {
         return Err(Diagnostics(errors).into());
     }
+    warnings.0.extend(study::without_effect(&plan, plans));
     let left = match runs.len().saturating_sub(MOST_RUNS) {
         0 => String::new(),
         left => format!(", of whose pipelines {left} more are not checked"),
@@ -211,6 +212,9 @@ fn check_pipeline(
     for scene in scenes {
         let context = LinkContext { frame: (512, 512), traits: traits[*scene].clone() };
         let compiled = Compiled::new(catalog, name, &Overrides::default(), &context, &options)?;
+        if scenes.len() == 1 {
+            *warnings = compiled.warnings(catalog, name, &Overrides::default(), &context, &options);
+        }
         passes = passes.max(compiled.plan.passes.len());
         shaders = shaders.max(compiled.shader_files().len());
     }

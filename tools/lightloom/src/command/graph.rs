@@ -4,6 +4,7 @@ use crate::context::{Context, Sort, Values, parse_size};
 use crate::output::{stdout, warn};
 use anyhow::{Context as _, Result, bail};
 use frame_graph::{CompileOptions, LinkContext, compile, link, resolve};
+use renderer::without_effect;
 use std::path::PathBuf;
 
 /// Draw the compiled graph of a pipeline.
@@ -20,7 +21,7 @@ pub(crate) struct Args {
     #[arg(short, long = "out", value_name = "FILE")]
     out: Option<PathBuf>,
     /// Size of the frame in pixels
-    #[arg(long, default_value = "512x512", value_parser = parse_size)]
+    #[arg(long, default_value = "512x512", allow_hyphen_values = true, value_parser = parse_size)]
     size: (u32, u32),
     #[command(flatten)]
     values: Values,
@@ -34,10 +35,15 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     args.scene.iter().try_for_each(|scene| context.expect(Sort::Scene, scene))?;
     let catalog = &context.catalog;
     let link_context = LinkContext { frame: args.size, traits: context.traits(args.scene.as_deref())? };
-    let resolved = resolve(&args.pipeline, catalog.pipelines(), &args.values.overrides())?;
-    warn(&resolved.warnings(), context.json);
+    let overrides = args.values.overrides();
+    let resolved = resolve(&args.pipeline, catalog.pipelines(), &overrides)?;
     let graph = link(&resolved, &**catalog, &link_context)?;
-    let plan = compile(&graph, &CompileOptions { sharing: !args.no_sharing, ..renderer::compile_options() })?;
+    let options = CompileOptions { sharing: !args.no_sharing, ..renderer::compile_options() };
+    let plan = compile(&graph, &options)?;
+    let mut warnings = resolved.warnings();
+    let (given, found) = ((&*args.pipeline, &overrides), (&resolved, &plan));
+    warnings.0.extend(without_effect(catalog, given, found, &link_context, &options));
+    warn(&warnings, context.json);
     let Some(out) = &args.out else {
         stdout!("{}", if context.json { format!("{:#}", plan.to_json()) } else { plan.to_text() });
         return Ok(());

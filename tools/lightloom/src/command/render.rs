@@ -121,13 +121,11 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     renderer.set_seed(args.seed);
     renderer.set_compile_options(CompileOptions { sharing: !args.no_sharing, ..compile_options() })?;
     renderer.set_pipeline(&args.pipeline, &overrides)?;
-    if let Some(compiled) = renderer.compiled() {
-        warn(&compiled.resolved.warnings(), context.json);
-    }
     let display = set_display(args, &mut renderer, overrides)?;
     for output in &args.output {
         renderer.keep(output)?;
     }
+    warn(&renderer.warnings(), context.json);
     renderer.set_frame_options(FrameOptions {
         timed: args.time,
         poison: args.poison,

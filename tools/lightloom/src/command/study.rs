@@ -3,12 +3,13 @@
 mod laboratory;
 mod progress;
 mod registry;
+mod warnings;
 
 use crate::context::{Context, Sort, parse_set, parse_size, set_text, unknown};
 use crate::output::{self, stdout, warn};
 use anyhow::{Context as _, Result, bail};
 use data_file::why_unreadable;
-use frame_graph::{Diagnostics, Overrides, Source, Value, resolve};
+use frame_graph::{Source, Value};
 pub(crate) use laboratory::GpuLaboratory;
 pub(crate) use progress::Progress;
 pub(crate) use registry::{CatalogRegistry, overrides};
@@ -17,6 +18,8 @@ use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use study::{AxisValue, Edits, Outcome, Plan, Results, RunOptions, Shard, Verdict};
+use warnings::warnings;
+pub(crate) use warnings::{MOST_RUNS, without_effect};
 
 /// Run an ablation study.
 ///
@@ -161,25 +164,6 @@ fn run_study(context: &Context, args: &Args, file: &str, out: &Path) -> Result<(
         bail!("{}", failed(ran.failed));
     }
     Ok(())
-}
-
-/// Returns the warnings of a study and of its pipelines, without duplicates.
-fn warnings(context: &Context, plan: &Plan) -> Diagnostics {
-    let mut warnings = plan.notes.clone();
-    let mut pipelines: Vec<&str> =
-        plan.distinct_runs().into_iter().map(|run| run.pipeline.as_str()).collect();
-    pipelines.sort_unstable();
-    pipelines.dedup();
-    for name in pipelines {
-        // Pipelines of a plan are there; values change no warning.
-        let resolved = resolve(name, context.catalog.pipelines(), &Overrides::default());
-        for warning in resolved.map(|resolved| resolved.warnings().0).unwrap_or_default() {
-            if !warnings.0.contains(&warning) {
-                warnings.0.push(warning);
-            }
-        }
-    }
-    warnings
 }
 
 /// Returns the message at the end of a run with failed cells.

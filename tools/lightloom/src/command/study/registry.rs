@@ -7,7 +7,7 @@ use renderer::{Catalog, load_scene};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
-use study::{Failure, PipelineFacts, Registry, SceneFacts, SceneRecord, Values};
+use study::{AxisValue, Failure, PipelineFacts, Registry, SceneFacts, SceneRecord, Values};
 
 /// The share of a scene's extent by which a virtual light may be displaced and still counts as unmoved.
 const SMALL: f32 = 1e-5;
@@ -24,7 +24,11 @@ impl CatalogRegistry {
 
 /// Converts values to those of the frame graph.
 pub(crate) fn overrides(values: &Values) -> Overrides {
-    Overrides(values.iter().map(|(path, value)| (path.clone(), value.to_value())).collect())
+    // An axis has its values in place of those of the study.
+    let is_last =
+        |(i, given): &(usize, &(String, AxisValue))| values[i + 1..].iter().all(|(path, _)| *path != given.0);
+    let last = values.iter().enumerate().filter(is_last);
+    Overrides(last.map(|(_, (path, value))| (path.clone(), value.to_value())).collect())
 }
 
 impl Registry for CatalogRegistry {
