@@ -37,7 +37,9 @@ fn copy_of_tree(folder: &Path) {
     for entry in std::fs::read_dir(root()).unwrap().flatten() {
         let name = entry.file_name();
         if !["target", ".git", "out"].contains(&&*name.to_string_lossy()) {
-            std::os::unix::fs::symlink(entry.path(), folder.join(name)).unwrap();
+            // Links would lead out of the folder, whose files name none there.
+            let copied = Command::new("cp").arg("-r").arg(entry.path()).arg(folder).status();
+            assert!(copied.unwrap().success());
         }
     }
 }

@@ -161,6 +161,25 @@ fn a_file_that_has_no_end_is_refused_at_once() {
     run_in(&mine, &["check", "zero.ron"]).failure(1, &["it is no regular file"]);
 }
 
+/// A folder that is passed on may hold links that lead out of it.
+#[cfg(unix)]
+#[test]
+fn a_link_that_leads_outside_is_refused() {
+    let pipeline = "Pipeline(extends: \"link.ron\", patch: [])";
+    let gltf = TRIANGLE.replace("nowhere.png", "link.png");
+    let mine = Folder::new(&[("in/a.ron", pipeline), ("in/a.gltf", &gltf), ("secret", "root:x:0:0")]);
+    for name in ["in/link.ron", "in/link.png"] {
+        std::os::unix::fs::symlink(mine.at("secret"), mine.at(name)).expect("a link");
+    }
+    let elsewhere = Folder::new(&[]);
+    for (name, code) in [("in/a.ron", 1), ("in/a.gltf", 0)] {
+        let done = run_in(&elsewhere, &["check", &mine.name(name)]);
+        assert_eq!(done.code, Some(code), "{done}");
+        let done = done.says(&["is neither in the folder of the file that names it"]);
+        assert!(!done.to_string().contains("root:x"), "{done}");
+    }
+}
+
 #[test]
 fn a_difference_in_samples_is_shown() {
     let expected = "+ samples picture: another in each frame, for image/image, image/direct, image/indirect";

@@ -2,8 +2,8 @@
 //!
 //! Pipelines, shaders, scenes, models and studies are passed on and tried out by people who have not read them, so none of
 //! them names files all over the disk: a file may name those of its own folder, of the working folder, and of the roots
-//! that the user gave, with all that is below. What the user names on the command line is not asked about. A link
-//! inside that leads elsewhere was made by the user.
+//! that the user gave, with all that is below. What the user names on the command line is not asked about. A
+//! symbolic link is what it leads to: a folder that was passed on may hold links, too.
 //!
 //! A name in a file means the file of that name in the folder of the file that names it; where there is none, that of a
 //! root, such as a built-in pipeline. A path with `./` or `../` in it means what is there from the folder of the file, and
@@ -21,11 +21,14 @@ pub const OUTSIDE: &str = "is neither in the folder of the file that names it, n
 pub fn may_name(by: &Path, path: &Path, roots: &[PathBuf]) -> bool {
     let Some(path) = plain(path) else { return false };
     // A folder can have two names, such as `/var` and `/private/var`: what is the same file is inside under either.
-    let linked = LazyCell::new(|| path.canonicalize().ok());
+    let real = LazyCell::new(|| path.canonicalize().ok());
     let inside = |folder: &Path| {
         let Some(folder) = plain(folder) else { return false };
-        let same = |path: &PathBuf| folder.canonicalize().is_ok_and(|folder| path.starts_with(folder));
-        path.starts_with(&folder) || linked.as_ref().is_some_and(same)
+        match &*real {
+            Some(real) => folder.canonicalize().is_ok_and(|folder| real.starts_with(folder)),
+            // Nothing is there.
+            None => path.starts_with(&folder),
+        }
     };
     let own = plain(by).and_then(|by| Some(by.parent()?.to_owned()));
     own.is_some_and(|own| inside(&own)) || inside(Path::new(".")) || roots.iter().any(|root| inside(root))

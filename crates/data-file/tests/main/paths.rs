@@ -55,6 +55,9 @@ fn links_lead_where_the_user_made_them_lead() {
     let may = |by: &str, path: &str| may_name(&at(by), &at(path), &[]);
     assert!(may("real/a.ron", "other/inner/b.ron"), "it is the same folder by another name");
     assert!(!may("real/inner/a.ron", "other/a.ron"), "the folder around it is not");
+    std::os::unix::fs::symlink("/etc", at("real/etc")).expect("a link");
+    assert!(!may("real/a.ron", "real/etc/passwd"), "what a link leads to is not in the folder of the link");
+    assert!(!may_name(&at("x/a.ron"), &at("real/etc/passwd"), &[at("real")]), "nor in the root");
     std::fs::remove_dir_all(folder).expect("removed");
 }
 

@@ -37,14 +37,15 @@ impl Resolver<'_> {
         let by = &span.source.name;
         let own = beside(by, path);
         let explicit = own.is_none() || is_from_own_folder(path);
-        let meant = own.as_deref().unwrap_or(path);
-        let found = if explicit && !may_name(Path::new(by), Path::new(meant), &self.files.roots()) {
+        let there = own.as_deref().and_then(|own| self.files.at(own)).map(|found| found.name.clone());
+        let is_own = explicit || there.is_some();
+        let meant = there.as_ref().or(own.as_ref()).map_or(path, String::as_str);
+        let found = if is_own && !may_name(Path::new(by), Path::new(meant), &self.files.roots()) {
             let message = format!("the file `{path}` {OUTSIDE}");
             self.errors.push(Diagnostic::new(&codes::NO_FILE, message).label(span, "outside"));
             Located::Outside
         } else {
             // A file does not mean itself: a variant may have the name of the built-in pipeline that it extends.
-            let there = own.as_deref().and_then(|own| self.files.at(own)).map(|found| found.name.clone());
             let own = match there {
                 Some(name) if explicit || name != *by => Some(name),
                 _ => own.filter(|_| explicit),
