@@ -132,9 +132,13 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// Formats a field of a CSV file (RFC 4180); line breaks become spaces, so that each row is one line.
+/// Formats a field of a CSV file (RFC 4180); line breaks become spaces, so that each row is one line. A text that a
+/// spreadsheet would take for a formula begins with an apostrophe.
 fn quoted(field: &str) -> String {
-    let field = field.replace(['\r', '\n'], " ");
+    let mut field = field.replace(['\r', '\n'], " ");
+    if field.starts_with(['=', '+', '-', '@', '\t']) && field.parse::<f64>().is_err() {
+        field.insert(0, '\'');
+    }
     if field.contains([',', '"']) { format!("\"{}\"", field.replace('"', "\"\"")) } else { field }
 }
 
@@ -146,5 +150,11 @@ mod tests {
     fn fields_that_need_quotes_have_them() {
         assert_eq!(quoted("W/(m² sr)"), "W/(m² sr)");
         assert_eq!(quoted("a, \"b\"\nc"), "\"a, \"\"b\"\" c\"");
+    }
+
+    #[test]
+    fn no_text_is_a_formula() {
+        assert_eq!(quoted("=cmd|' /C calc'!A0"), "'=cmd|' /C calc'!A0");
+        assert_eq!(["+a", "-b", "@c", "-0.5", "-inf"].map(quoted), ["'+a", "'-b", "'@c", "-0.5", "-inf"]);
     }
 }
