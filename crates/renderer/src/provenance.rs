@@ -2,6 +2,7 @@
 
 use crate::{RenderError, Renderer};
 use frame_graph::{Overrides, Value};
+use metrics::decode::MAX_SIDE;
 use metrics::{Display, FileFormat};
 use scene::{Camera, Light, LightKind};
 use serde::{Deserialize, Serialize};
@@ -219,9 +220,15 @@ impl Provenance {
     /// Reads it from JSON.
     ///
     /// # Errors
-    /// The text has another form.
+    /// The text has another form, or a size that no picture has.
     pub fn from_json(text: &str) -> Result<Provenance, serde_json::Error> {
-        serde_json::from_str(text)
+        let record: Provenance = serde_json::from_str(text)?;
+        let (width, height) = record.size;
+        if [width, height].iter().any(|side| !(1..=MAX_SIDE).contains(side)) {
+            let problem = format!("the size is {width}×{height}; a side is from 1 to {MAX_SIDE} px");
+            return Err(serde::de::Error::custom(problem));
+        }
+        Ok(record)
     }
 
     /// Returns the values that were given, for [`Renderer::set_pipeline`].

@@ -74,6 +74,11 @@ fn provenance_makes_the_same_renderer_again() {
     counted(&mut renderer);
     let written = Provenance::new(&renderer, "plane", ("count", 0), 0);
     let read = Provenance::from_json(&written.to_json()).unwrap();
+    for size in [(0, 6), (8, 16_385)] {
+        let refused = Provenance::from_json(&Provenance { size, ..read.clone() }.to_json());
+        let refused = refused.err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(refused.contains("a side is from 1 to 16384 px"), "{refused}");
+    }
     assert_eq!(read.overrides(), step(2.5));
     assert_eq!((read.size, read.frame, read.seed), ((8, 6), 0, 7));
 
