@@ -147,6 +147,25 @@ fn a_file_that_is_there_and_cannot_be_read_is_not_said_to_be_missing() {
     }
 }
 
+/// Names, excerpts and paths that move the cursor, ring the bell or change the title of a terminal are written out.
+#[test]
+fn control_characters_of_files_do_not_reach_the_terminal() {
+    let title = "\u{1b}]0;owned\u{7}";
+    let pipeline =
+        format!("Pipeline(passes: {{ \"a\": Pass(kind: \"no{title}such\") }}, outputs: {{ \"b\": \"a\" }})");
+    let gltf = TRIANGLE.replace("nowhere.png", "no\\u001b[31mwhere.png");
+    let mine = Folder::new(&[("a.ron", &pipeline), ("a.gltf", &gltf)]);
+    let cases: [(&[&str], &str); 3] = [
+        (&["check", "a.ron"], "\\u001b]0;owned\\u0007"),
+        (&["check", "a.gltf"], "no\\u001b[31mwhere.png"),
+        (&["check", "no\u{9b}31msuch.ron"], "no\\u009b31msuch.ron"),
+    ];
+    for (arguments, words) in cases {
+        let done = run_in(&mine, arguments).says(&[words]);
+        assert!(!done.to_string().contains(['\u{1b}', '\u{7}', '\u{9b}']), "{done}");
+    }
+}
+
 /// Waits for no writer.
 #[cfg(unix)]
 #[test]

@@ -15,7 +15,7 @@ pub mod value;
 
 pub use codes::Code;
 pub use diagnostic::{
-    Diagnostic, Diagnostics, Label, Place, Severity, Source, Sources, Span, nearest, nearest_of_few,
+    Diagnostic, Diagnostics, Label, Place, Severity, Source, Sources, Span, nearest, nearest_of_few, visible,
 };
 pub use files::{Files, MAX_TEXT, read_text, read_text_bytes, why_unreadable};
 /// A name of a pass, a port, an interface or a member: text that is cheap to copy.

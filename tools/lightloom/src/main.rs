@@ -10,6 +10,7 @@ mod trace;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
+use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use trace::Trace;
@@ -105,7 +106,8 @@ fn survive_large_files() {
 /// Prints what is logged, and records phases and a trace where they are wanted.
 fn record(phases: Option<start::Phases>, trace: Option<&Path>) -> Result<Option<Trace>> {
     let logged = EnvFilter::try_from_env("LIGHTLOOM_LOG").unwrap_or_else(|_| "error".into());
-    let print = tracing_subscriber::fmt::layer().with_writer(std::io::stderr);
+    let is_terminal = std::io::stderr().is_terminal();
+    let print = tracing_subscriber::fmt::layer().with_writer(std::io::stderr).with_ansi(is_terminal);
     // `eprintln!` would print it, which panics if standard error cannot be written.
     let print = print.log_internal_errors(false).with_filter(logged);
     let of_phases = Targets::new().with_target(start::TARGET, LevelFilter::INFO);

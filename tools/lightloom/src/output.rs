@@ -2,6 +2,7 @@
 
 use anyhow::{Context as _, Result};
 use data_file::codes::SHADOWED;
+use data_file::visible;
 use frame_graph::codes::LEFT_OUT;
 use frame_graph::{Diagnostic, Diagnostics, Severity};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -11,10 +12,10 @@ use serde_json::{Value, json};
 use std::io::{ErrorKind, Write as _};
 use std::path::Path;
 
-/// Prints a line on standard output. If its reader has gone (`lightloom check | head`), the line is dropped, and the exit
+/// Prints a line on standard output, with control characters [written out](visible). If its reader has gone (`lightloom check | head`), the line is dropped, and the exit
 /// code stays that of the command. If it cannot be written for another reason, such as a full disk, the program fails.
 pub(crate) fn line(text: std::fmt::Arguments<'_>) {
-    match writeln!(std::io::stdout(), "{text}") {
+    match writeln!(std::io::stdout(), "{}", visible(&text.to_string())) {
         Ok(()) => {}
         Err(error) if error.kind() == ErrorKind::BrokenPipe => {}
         Err(error) => {
@@ -24,9 +25,9 @@ pub(crate) fn line(text: std::fmt::Arguments<'_>) {
     }
 }
 
-/// Prints a line on standard error; drops it if that cannot be written.
+/// Prints a line on standard error, with control characters [written out](visible); drops it if that cannot be written.
 pub(crate) fn error_line(text: std::fmt::Arguments<'_>) {
-    let _ = writeln!(std::io::stderr(), "{text}");
+    let _ = writeln!(std::io::stderr(), "{}", visible(&text.to_string()));
 }
 
 /// As `eprintln!`, by [`error_line()`].

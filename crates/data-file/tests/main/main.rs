@@ -4,3 +4,4 @@ mod codes;
 mod extremes;
 mod paths;
 mod settings;
+mod terminal;

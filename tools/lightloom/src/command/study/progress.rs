@@ -1,6 +1,7 @@
 //! The progress of a study, on standard error: a bar on a terminal, lines elsewhere.
 
 use crate::output::stderr;
+use data_file::visible;
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal as _;
 use study::{Event, Outcome, Step, name_of};
@@ -39,20 +40,14 @@ impl Progress {
                 }
             }
             Event::Reference { name } => match &self.bar {
-                Some(bar) => bar.set_message(format!("{}reference of {name}", self.left)),
+                Some(_) => self.message(&format!("reference of {name}")),
                 None => stderr!("reference of {name}"),
             },
+            // Lines would depend on how fast the machine is.
             Event::Step { name, frame, frames, step } => {
-                // Lines would depend on how fast the machine is.
-                if let Some(bar) = &self.bar {
-                    bar.set_message(format!("{}{}", self.left, step_text(name, (frame, frames), step)));
-                }
+                self.message(&step_text(name, (frame, frames), step));
             }
-            Event::Cell { name } => {
-                if let Some(bar) = &self.bar {
-                    bar.set_message(format!("{}{name}", self.left));
-                }
-            }
+            Event::Cell { name } => self.message(&name),
             Event::Ended { cell, ended, left } => {
                 let left = if ended < self.cells {
                     format!("about {} left", HumanDuration(left))
@@ -82,6 +77,13 @@ impl Progress {
     pub(crate) fn finish(&self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
+        }
+    }
+
+    /// Shows what runs beside the bar, if there is one.
+    fn message(&self, text: &str) {
+        if let Some(bar) = &self.bar {
+            bar.set_message(format!("{}{}", self.left, visible(text)));
         }
     }
 
