@@ -147,6 +147,28 @@ fn a_file_that_is_there_and_cannot_be_read_is_not_said_to_be_missing() {
     }
 }
 
+#[test]
+fn numbers_below_zero_are_values_and_no_flags() {
+    for (flag, value, words) in [
+        ("--size", "-64x48", "must be WIDTHxHEIGHT"),
+        ("--first-frame", "-3", "0..=4294967295"),
+        ("--frames", "-3", "1..=4294967295"),
+    ] {
+        let done = lightloom(&["render", "ism", "cornell-box", "-o", "x.png", flag, value]);
+        let done = done.failure(2, &["invalid value", words]);
+        assert!(!done.err.contains("unexpected argument"), "{done}");
+    }
+}
+
+#[cfg(feature = "window")]
+#[test]
+fn a_window_without_an_adapter_is_refused_with_advice() {
+    let mut view = command(&crate::adapter::root());
+    let done = Done::of(view.args(["view", "ism", "cornell-box"]).env("VK_DRIVER_FILES", "/nonexistent"));
+    let done = done.failure(1, &["error: no graphics adapter was found", "mesa-vulkan-drivers"]);
+    assert_eq!(done.err.lines().count(), 1, "{done}");
+}
+
 /// Names, excerpts and paths that move the cursor, ring the bell or change the title of a terminal are written out.
 #[test]
 fn control_characters_of_files_do_not_reach_the_terminal() {

@@ -103,9 +103,12 @@ fn survive_large_files() {
     }
 }
 
+/// What is logged where `LIGHTLOOM_LOG` says nothing. That there is no driver is reported by the commands that need one.
+const DEFAULT_LOG: &str = "error,wgpu_hal::vulkan::instance=off";
+
 /// Prints what is logged, and records phases and a trace where they are wanted.
 fn record(phases: Option<start::Phases>, trace: Option<&Path>) -> Result<Option<Trace>> {
-    let logged = EnvFilter::try_from_env("LIGHTLOOM_LOG").unwrap_or_else(|_| "error".into());
+    let logged = EnvFilter::try_from_env("LIGHTLOOM_LOG").unwrap_or_else(|_| DEFAULT_LOG.into());
     let is_terminal = std::io::stderr().is_terminal();
     let print = tracing_subscriber::fmt::layer().with_writer(std::io::stderr).with_ansi(is_terminal);
     // `eprintln!` would print it, which panics if standard error cannot be written.

@@ -35,23 +35,23 @@ pub(crate) struct Args {
     #[arg(short, long = "out", value_name = "FILE", value_parser = parse_picture)]
     out: PathBuf,
     /// Size of the frame in pixels
-    #[arg(long, default_value = "512x512", value_parser = parse_size)]
+    #[arg(long, default_value = "512x512", allow_hyphen_values = true, value_parser = parse_size)]
     size: (u32, u32),
     /// Number of frames; a pipeline with an output `progress` repeats each until it has converged
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..))]
     frames: u32,
     /// Number of the first frame, and so the time of animations
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
     first_frame: u32,
     /// Seed of all random numbers; 0 gives plain sequences, as the papers use them
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
     seed: u32,
     /// Output of the pipeline, or any resource as pass, pass.port or pass.member. Of several, each goes into a file of its
     /// own: the name of the output is added to that of the picture
     #[arg(long, default_value = "image")]
     output: Vec<String>,
     /// Layer of a resource that is an array
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
     layer: u32,
     #[command(flatten)]
     values: Values,

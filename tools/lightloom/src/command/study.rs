@@ -48,7 +48,7 @@ pub(crate) struct Args {
     #[arg(long, value_name = "DIR")]
     references: Option<PathBuf>,
     /// Size of frames in pixels, instead of the study's
-    #[arg(long, value_parser = parse_size)]
+    #[arg(long, allow_hyphen_values = true, value_parser = parse_size)]
     size: Option<(u32, u32)>,
     /// A value for all pipelines that have the name, instead of the study's; an axis of that name takes only this
     /// value. May be repeated

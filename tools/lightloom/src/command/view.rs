@@ -3,6 +3,7 @@
 use crate::context::{Context, Sort, Values};
 use anyhow::{Result, bail};
 use frame_graph::resolve::Files as _;
+use renderer::{ExecutorError, Gpu};
 use scene::SceneError;
 use std::path::{Path, PathBuf};
 
@@ -46,6 +47,9 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
             _ if of_gltf && !Path::new(scene).exists() => bail!("there is no file {scene}"),
             _ => {}
         }
+    }
+    if Gpu::adapters().is_empty() {
+        return Err(ExecutorError::NoAdapter.into());
     }
     viewer::run(viewer::Options {
         catalog: context.catalog.clone(),
