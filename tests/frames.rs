@@ -8,7 +8,7 @@ use scene::Camera;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-/// Sharing on, sharing off, and every object filled with NaN before it is written: the same bits.
+/// Sharing on, sharing off, and every object filled with NaN or another pattern before it is written: the same bits.
 #[test]
 fn pictures_are_identical_with_sharing_on_off_and_poisoned() {
     for (pipeline, scene) in
@@ -16,7 +16,7 @@ fn pictures_are_identical_with_sharing_on_off_and_poisoned() {
     {
         let Some(mut renderer) = renderer(pipeline, scene, (45, 31), SMALL) else { return };
         let mut pictures = Vec::new();
-        for (sharing, poison) in [(true, false), (false, false), (true, true), (false, true)] {
+        for (sharing, poison) in [(true, None), (false, None), (true, Some(FrameOptions::NAN)), (false, Some(0x5a))] {
             renderer.set_compile_options(CompileOptions { sharing, ..CompileOptions::default() }).unwrap();
             renderer.set_frame_options(FrameOptions { poison, ..FrameOptions::default() });
             renderer.run_everything();

@@ -1,4 +1,4 @@
-//! Objects filled with one value: cleared, or poisoned with NaN.
+//! Objects filled with one value: cleared, or poisoned.
 
 use crate::current::LayerViews;
 use crate::gpu::Gpu;
@@ -64,8 +64,8 @@ pub(crate) fn copy(encoder: &mut wgpu::CommandEncoder, from: &Object, to: &Objec
     }
 }
 
-/// A buffer of set bits, as large as the largest resource with its rows padded: NaN in every float format.
-pub(crate) fn poison_buffer(gpu: &Gpu, plan: &Plan) -> wgpu::Buffer {
+/// A buffer of equal bytes, as large as the largest resource with its rows padded.
+pub(crate) fn poison_buffer(gpu: &Gpu, plan: &Plan, byte: u8) -> wgpu::Buffer {
     let largest = plan.resources.iter().map(|resource| match &resource.desc {
         ResourceDesc::Buffer(buffer) => buffer.bytes,
         ResourceDesc::Texture(texture) => {
@@ -79,7 +79,7 @@ pub(crate) fn poison_buffer(gpu: &Gpu, plan: &Plan) -> wgpu::Buffer {
         mapped_at_creation: true,
     });
     if let Ok(mut bytes) = buffer.get_mapped_range_mut(..) {
-        bytes.slice(..).fill(0xff);
+        bytes.slice(..).fill(byte);
     }
     buffer.unmap();
     buffer

@@ -27,8 +27,14 @@ pub struct FrameOptions {
     /// Time each pass on the GPU without waiting: [`Executor::timings`] returns the times some frames later.
     /// Timed passes do not overlap on the GPU, with either option.
     pub monitored: bool,
-    /// Fill the resources that a pass writes with NaN before it runs: pictures must not change.
-    pub poison: bool,
+    /// Fill the resources that a pass writes with this byte before it runs, such as [`FrameOptions::NAN`]: pictures must not
+    /// change.
+    pub poison: Option<u8>,
+}
+
+impl FrameOptions {
+    /// A byte of which every float is NaN.
+    pub const NAN: u8 = 0xff;
 }
 
 /// The result of loading a plan.
@@ -93,7 +99,8 @@ struct Loaded {
     uniforms: Option<Uniforms>,
     state: FrameState,
     timers: Option<Timers>,
-    poison: Option<wgpu::Buffer>,
+    /// The byte that it is filled with, and the buffer.
+    poison: Option<(u8, wgpu::Buffer)>,
     views: LayerViews,
 }
 

@@ -23,6 +23,10 @@ use std::sync::Arc;
 /// The order of threads in which every pass runs once more.
 const OTHER_ORDER: u32 = 2;
 
+/// The byte with which what a pass writes is filled when it runs once more: of [`FrameOptions::NAN`] alone, a sum of
+/// integers that was not cleared would be one too small.
+pub(crate) const OTHER_POISON: u8 = 0x5a;
+
 /// The test harness of a pass: runs it alone, in a pipeline of its own, with given inputs.
 ///
 /// The pipeline is linked and compiled as any other, so values out of range, inputs of another interface and names that
@@ -265,23 +269,25 @@ impl<'a> Harness<'a> {
         self
     }
 
-    /// Runs the frames, and once more with threads in another order. Returns the outputs of the last frame; `None`
-    /// where there is no adapter.
+    /// Runs the frames, and once more with threads in another order and with other bits in what was not written before.
+    /// Returns the outputs of the last frame; `None` where there is no adapter.
     ///
     /// # Panics
     /// Where the graph, the pass, its shaders or the GPU report an error: the test fails with their message. Also where
-    /// the bits depend on the order of threads.
+    /// the bits depend on either.
     pub fn run(self) -> Option<Outputs> {
         let gpu = gpu()?;
-        let run = |order| self.try_run(gpu.clone(), order).unwrap_or_else(|error| panic!("{error}"));
-        let outputs = run(None);
+        let run = |order, poison| {
+            self.try_run(gpu.clone(), order, poison).unwrap_or_else(|error| panic!("{error}"))
+        };
+        let outputs = run(None, FrameOptions::NAN);
         if self.any_order && outputs.dispatches {
-            outputs.assert_same_bits(&run(Some(OTHER_ORDER)));
+            outputs.assert_same_bits(&run(Some(OTHER_ORDER), OTHER_POISON));
         }
         Some(outputs)
     }
 
-    fn try_run(&self, gpu: Gpu, order: Option<u32>) -> Result<Outputs, ExecutorError> {
+    fn try_run(&self, gpu: Gpu, order: Option<u32>, poison: u8) -> Result<Outputs, ExecutorError> {
         let described;
         let scene = match &self.scene {
             Some(scene) => scene,
@@ -312,7 +318,7 @@ impl<'a> Harness<'a> {
             let events = self.events.iter().filter(|(at, _)| *at == frame).map(|(_, cause)| *cause);
             let mut change = Change { all: true, events: events.collect(), ..Change::default() };
             view.update(&mut executor, scene, &pose, self.size, info, &mut change)?;
-            executor.frame(&change, FrameOptions { poison: true, ..FrameOptions::default() })?;
+            executor.frame(&change, FrameOptions { poison: Some(poison), ..FrameOptions::default() })?;
         }
         Ok(Outputs { executor, plan, pass: self.pass.kind(), dispatches })
     }

@@ -32,8 +32,10 @@ impl Executor {
         if let Some(uniforms) = uniforms {
             uniforms.write(gpu, plan, schedule, *seed);
         }
-        if options.poison && poison.is_none() {
-            *poison = Some(poison_buffer(gpu, plan));
+        if let Some(byte) = options.poison
+            && poison.as_ref().is_none_or(|(of, _)| *of != byte)
+        {
+            *poison = Some((byte, poison_buffer(gpu, plan, byte)));
         }
         let target = timers.as_mut().and_then(|timers| match options {
             FrameOptions { timed: true, .. } => Some(TimingTarget::Exact),
@@ -68,7 +70,7 @@ impl Executor {
             encoder: gpu.device.create_command_encoder(&descriptor),
             open: None,
             timers: timers.as_ref().filter(|_| target.is_some()),
-            poison: poison.as_ref().filter(|_| options.poison),
+            poison: poison.as_ref().filter(|_| options.poison.is_some()).map(|(_, buffer)| buffer),
         };
         frame.begin_pasts();
         if let Some(timers) = frame.timers {
@@ -209,7 +211,7 @@ impl FrameEncoder<'_> {
         }
     }
 
-    /// Fills the resources that a pass writes with NaN.
+    /// Fills the resources that a pass writes.
     fn poison(&mut self, poison: &wgpu::Buffer, pass: &PlannedPass) {
         let objects = self.context.objects;
         let written = pass.outputs.iter().flat_map(|output| output.members.iter().map(|(_, id)| *id));

@@ -9,7 +9,7 @@ use pass::{
     Threads, Usage, Value,
 };
 
-const POISON: FrameOptions = FrameOptions { timed: false, monitored: false, poison: true };
+const POISON: FrameOptions = FrameOptions { timed: false, monitored: false, poison: Some(FrameOptions::NAN) };
 
 /// One thread that runs this body, with these globals.
 fn compute(globals: &str, body: &str) -> String {

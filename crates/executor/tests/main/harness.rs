@@ -93,7 +93,10 @@ impl Running {
 
     /// Runs a frame in which nothing has changed, and fills what passes write with NaN before they run.
     pub(crate) fn frame_with_poison(&mut self) -> &FrameReport {
-        self.frame_with(&Change::default(), FrameOptions { poison: true, ..FrameOptions::default() })
+        self.frame_with(
+            &Change::default(),
+            FrameOptions { poison: Some(FrameOptions::NAN), ..FrameOptions::default() },
+        )
     }
 
     /// Runs every pass.

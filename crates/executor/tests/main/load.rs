@@ -5,7 +5,7 @@ use executor::{ExecutorError, FrameOptions};
 use frame_graph::ResetCause;
 use pass::{Compute, Extent, Format, OutputDesc, ResourceDesc, Step, Threads};
 
-const POISON: FrameOptions = FrameOptions { timed: false, monitored: false, poison: true };
+const POISON: FrameOptions = FrameOptions { timed: false, monitored: false, poison: Some(FrameOptions::NAN) };
 
 fn one(path: &str) -> Vec<Step> {
     vec![Step::Compute(Compute::new(shader(path), "main", Threads::Grid([1; 3])))]

@@ -39,7 +39,7 @@ fn a_step_sees_its_window_alone() {
     // All words, 64 to 127, and 128 to 131.
     let workshop = workshop(132, vec![None, Some(256..512), Some(512..528)]);
     let Some(mut running) = workshop.start(PASS, OUTPUT) else { return };
-    running.frame_of_all(FrameOptions { poison: true, ..FrameOptions::default() });
+    running.frame_of_all(FrameOptions { poison: Some(FrameOptions::NAN), ..FrameOptions::default() });
     let found = running.read("use.out");
     let signed = [(0, 1), (1, 132), (64, 2), (65, 64), (128, 3), (129, 4)];
     for (i, word) in found.into_iter().enumerate() {

@@ -1,4 +1,4 @@
-//! The harness with small passes of its own: what it refuses, several frames, the past, and the order of threads.
+//! The harness with small passes of its own: what it refuses, several frames, the past, the order of threads, and what was not written.
 
 use pass::{Compute, OutputDesc, RecordContext, ResourceDesc, SceneBindings, Step, Threads};
 use pass_test::{Harness, ResetCause, TestPass};
@@ -6,12 +6,16 @@ use std::sync::LazyLock;
 
 const SHADER: &str = "crates/pass-test/tests/main/passes.wgsl";
 
-/// Returns a pass of one entry point that writes one buffer.
+/// Returns a pass of one entry point that writes one buffer, which is cleared first.
 fn small(entry: &'static str, output: &str, bytes: u64, threads: [u32; 3]) -> TestPass {
+    of_entry(entry, OutputDesc::one(output, ResourceDesc::buffer(bytes)).cleared(), threads)
+}
+
+/// Returns a pass of one entry point that writes one output.
+fn of_entry(entry: &'static str, output: OutputDesc, threads: [u32; 3]) -> TestPass {
     let step = move |cx: &RecordContext<'_>| {
         vec![Step::Compute(Compute::new(cx.shader(SHADER, &[]), entry, Threads::Grid(threads)))]
     };
-    let output = OutputDesc::one(output, ResourceDesc::buffer(bytes)).cleared();
     TestPass::new("small").number("step", 1, 100).output(output).steps(step)
 }
 
@@ -70,6 +74,15 @@ fn another_order_of_threads_does_the_same_work() {
     let visit = small("visit", "visits", 4 * 40 * 12 * 6, [40, 12, 6]);
     let Some(outputs) = Harness::new(&visit).run() else { return };
     assert_eq!(outputs.read::<u32>("visits"), [1; 40 * 12 * 6]);
+}
+
+/// Set bits alone would be -1 to a sum.
+#[test]
+fn a_sum_that_begins_with_what_was_there_is_found() {
+    let visits = OutputDesc::one("visits", ResourceDesc::buffer(4 * 40 * 12 * 6));
+    let Some(found) = Harness::new(&of_entry("visit", visits, [40, 12, 6])).refusal() else { return };
+    assert!(found.contains("or on what was not written"), "{found}");
+    assert!(found.contains("0x5a5a5a5b"), "{found}");
 }
 
 #[test]

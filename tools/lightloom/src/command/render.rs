@@ -128,7 +128,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     warn(&renderer.warnings(), context.json);
     renderer.set_frame_options(FrameOptions {
         timed: args.time,
-        poison: args.poison,
+        poison: args.poison.then_some(FrameOptions::NAN),
         ..FrameOptions::default()
     });
     render(context, args, &mut renderer, &out, display)?;
