@@ -24,7 +24,8 @@ enum Command {
     },
     /// Build and run the tests
     Test {
-        /// Run the slow tests too, as continuous integration does
+        /// Run the slow tests too, as continuous integration does, and fail where there is no adapter for those that
+        /// need one
         #[arg(short, long)]
         all: bool,
         /// Install a Vulkan driver where there is no GPU, Chromium where there is no browser, and Xvfb with

@@ -27,6 +27,7 @@ pub fn run(root: &Path, consent: Consent, all: bool) -> Result<()> {
     // What `cargo test` builds, and the program: one build, for which features are resolved once.
     run_command(cargo(root, "build").args(BUILT).args(["--bins", "--tests"]))?;
     let adapters = gpu::ensure(&built("lightloom")?, consent)?;
+    check(&adapters, all)?;
     optional::ensure(consent);
 
     let mut command = cargo(root, "test");
@@ -106,9 +107,24 @@ impl std::fmt::Display for Summary {
     }
 }
 
+/// Fails where all tests are to run and there is no adapter: those that need one would do nothing and pass.
+fn check(adapters: &[String], all: bool) -> Result<()> {
+    if all && adapters.is_empty() {
+        bail!("there is no adapter, and without one not all tests run. {}", gpu::advice());
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn all_tests_need_an_adapter() {
+        let some = ["llvmpipe".to_owned()];
+        let found = [(&some[..], true), (&some, false), (&[], false), (&[], true)];
+        assert_eq!(found.map(|(adapters, all)| check(adapters, all).is_ok()), [true, true, true, false]);
+    }
 
     #[test]
     fn mesa_asks_no_wayland_where_there_is_none() {
