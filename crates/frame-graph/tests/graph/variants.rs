@@ -475,6 +475,17 @@ fn movement_ends_the_past_of_what_reads_it() {
     // The view reads no lights, and time goes on in a still scene too.
     assert_eq!(reset_by(&moved, SceneBindings::LIGHTS), None);
     assert_eq!(reset_by(&moved, SceneBindings::FRAME), None);
+    let clock = plan(
+        r#"patch: [
+            Replace("unused", Pass(kind: "noise", history: (reset: [Moved]))),
+            Replace("filter", Pass(kind: "mix", in: { "a": "gather", "b": "prev unused" })),
+        ]"#,
+    );
+    assert_eq!(
+        reset_of(&clock, SceneBindings::FRAME, "unused."),
+        None,
+        "also of what reads the frame's number"
+    );
     assert_eq!(reset_by(&with("Cut"), SceneBindings::CAMERA), None);
     assert_eq!(reset_by(&with("MovedUpstream"), SceneBindings::LIGHTS), None);
     assert_eq!(reset_by(&with("MovedUpstream"), SceneBindings::CAMERA), Some(ResetCause::Moved));
