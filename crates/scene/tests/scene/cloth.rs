@@ -62,9 +62,14 @@ fn the_cloth_hangs_inside_the_box_and_clear_of_its_blocks() {
     // The short block is 0.165 m high; the tall one of 0.33 m begins at x = 0.265 m.
     let moving: Vec<_> = scene.instances.iter().filter(|i| i.moves).collect();
     assert_eq!(moving.len(), 1, "the cloth");
+    let vertices = |frame: u32| scene.at(scene.frame_time(frame)).moved[0].vertices.clone();
+    let (rest, mut farthest) = (vertices(0), 0.0_f32);
     for frame in 0..60 {
-        let pose = scene.at(scene.frame_time(frame));
-        let clear = pose.moved[0].vertices.iter().all(|v| v.position[1] > 0.17 && v.position[0] < 0.264);
+        let now = vertices(frame);
+        let clear = now.iter().all(|v| v.position[1] > 0.17 && v.position[0] < 0.264);
         assert!(clear, "frame {frame}: through a block");
+        let moved = rest.iter().zip(&now).map(|(a, b)| Vec3::from(a.position).distance(b.position.into()));
+        farthest = moved.fold(farthest, f32::max);
     }
+    assert!(farthest > 0.05, "it swings by {farthest} m");
 }

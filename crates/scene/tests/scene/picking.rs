@@ -179,3 +179,30 @@ fn a_rolling_ball_is_picked_where_it_is_seen() {
     assert_ne!(scene.instances[floor.instance].name, "sphere", "it has rolled away");
     assert!(floor.position.y.abs() < 1e-5 && floor.normal.abs_diff_eq(Vec3::Y, 1e-5), "{floor:?}");
 }
+
+/// The frame shows a square of 2 m at a distance of 1 m: a triangle beyond one of its sides is not in view, however near.
+#[test]
+fn what_lies_beyond_one_side_is_not_in_view() {
+    let triangle = |center: Vec3| {
+        [Vec3::new(-0.2, -0.2, 0.0), Vec3::new(0.2, -0.2, 0.0), Vec3::new(0.0, 0.2, 0.0)].map(|p| p + center)
+    };
+    let is_in_view = |center: Vec3| {
+        let scene = soup(&[triangle(center)]);
+        let mut pose = scene.at(0.0);
+        pose.camera = scene::Camera {
+            position: Vec3::ZERO,
+            target: Vec3::NEG_Z,
+            up: Vec3::Y,
+            vertical_fov: std::f32::consts::FRAC_PI_2,
+            near: 0.1,
+        };
+        scene.is_in_view(&pose, 1.0)
+    };
+    for side in [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y] {
+        assert!(is_in_view(Vec3::NEG_Z + side * 1.1), "{side}: a corner is seen");
+        assert!(!is_in_view(Vec3::NEG_Z + side * 1.3), "{side}");
+        assert!(!is_in_view(Vec3::NEG_Z + side * 1.9), "{side}");
+    }
+    assert!(!is_in_view(Vec3::Z), "behind");
+    assert!(!is_in_view(Vec3::NEG_Z * 0.05), "before the near plane");
+}

@@ -9,13 +9,15 @@ fn the_table_rises_to_the_end_in_proportion_to_area() {
     assert_eq!(table.len(), scene.triangles() + 1, "one more than triangles");
     assert_eq!((table[0], table[table.len() - 1]), (0, u32::MAX), "from none to all");
     assert!(table.windows(2).all(|pair| pair[0] < pair[1]), "every triangle of the box has area");
-    // The share of the first triangle, by Heron's formula on the floor's corners.
+    // The share of each triangle, by Heron's formula on its corners.
     let corner = |i: usize| glam::Vec3::from(scene.vertices[scene.indices[i] as usize].position).as_dvec3();
-    let [a, b, c] =
-        [corner(0).distance(corner(1)), corner(1).distance(corner(2)), corner(2).distance(corner(0))];
-    let s = (a + b + c) / 2.0;
-    let share = (s * (s - a) * (s - b) * (s - c)).sqrt() / scene.area();
-    assert!((f64::from(table[1]) / 4_294_967_296.0 - share).abs() < 1e-9, "share {share}");
+    for (i, pair) in table.windows(2).enumerate() {
+        let [a, b, c] = [0, 1, 2].map(|k| corner(3 * i + k).distance(corner(3 * i + (k + 1) % 3)));
+        let s = (a + b + c) / 2.0;
+        let share = (s * (s - a) * (s - b) * (s - c)).sqrt() / scene.area();
+        let found = f64::from(pair[1] - pair[0]) / 4_294_967_296.0;
+        assert!((found - share).abs() < 1e-9, "triangle {i}: {found}, not {share}");
+    }
 }
 
 /// Between two entries of the guide table lies what a search through the whole table finds.
