@@ -4,7 +4,7 @@ mod cpu_reference;
 
 use cpu_reference::{Light, newcomers};
 use interfaces::radiosity::PointRadiosity;
-use interfaces::surface_points::SurfacePoint;
+use interfaces::surface_points::{self, SurfacePoint};
 use interfaces::virtual_lights::{self, VirtualLight};
 use pass_test::random::hash;
 use pass_test::{Harness, Outputs, elements};
@@ -30,6 +30,11 @@ const SEEDS: [u32; 4] = [1000, 200_000, 400_000, 600_000];
 
 impl Case {
     fn run(&self) -> Option<Outputs> {
+        self.run_with(|_| {})
+    }
+
+    /// Runs the pass with mailboxes whose bytes are changed.
+    fn run_with(&self, change: impl FnOnce(&mut [u8])) -> Option<Outputs> {
         let count = self.candidates.len();
         let points = |base: u32, is_there: &dyn Fn(usize) -> bool, mark: &dyn Fn(usize) -> bool| {
             let one =
@@ -56,10 +61,12 @@ impl Case {
         let density: Vec<f32> = self.candidates.iter().map(|c| if c.is_some() { 2.0 } else { 0.0 }).collect();
         let facts = &[("count", count as u32)];
         let never = |_: usize| false;
+        let mut mailboxes = surface_points::to_bytes(41, &points(SEEDS[1], &light, &never));
+        change(&mut mailboxes);
         Harness::new(PASS)
             .set("moved", self.moved)
             .surface_points("lights", 41, &points(SEEDS[0], &light, &marked))
-            .surface_points("mailboxes", 41, &points(SEEDS[1], &light, &never))
+            .input("mailboxes", "SurfacePoints", facts, elements(&mailboxes))
             .input("intensities", "VirtualLights", facts, elements(&virtual_lights::to_bytes(&intensities)))
             .surface_points("candidates", 41, &points(SEEDS[2], &candidate, &never))
             .surface_points("origins", 41, &points(SEEDS[3], &candidate, &never))
@@ -165,4 +172,16 @@ fn intensities_that_are_no_numbers_count_as_none() {
     assert_eq!(header.marked, 1);
     assert!(replaced.iter().any(|point| point.seed == SEEDS[2] + 6));
     assert!(replaced.iter().all(|point| point.seed != SEEDS[2] + 5));
+}
+
+/// A light has a mailbox: where one of the two was reset, neither is kept.
+#[test]
+fn lights_without_mailboxes_end() {
+    let mut case = random(64, 4, [0, 0, 100], 4);
+    case.moved = 0;
+    let Some(outputs) = case.run_with(|mailboxes| mailboxes[..4].fill(0)) else { return };
+    for port in ["replaced", "witnesses"] {
+        let (_, points) = outputs.surface_points(port);
+        assert!(points.iter().all(|point| *point == SurfacePoint::NONE), "{port}");
+    }
 }
