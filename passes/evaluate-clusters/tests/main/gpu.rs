@@ -97,6 +97,19 @@ fn clusters_become_what_the_cpu_reference_makes_of_them() {
     assert!(totals[1] > 100 && totals[0] > totals[1], "{totals:?}: there was little to test");
 }
 
+/// A cluster at the edge of the window counts, and one beyond it does not.
+#[test]
+fn the_edge_of_the_window_is_in_it() {
+    let cluster = |i: u32| alive(0.2 + 0.6 * number(i, 3), 1.0, [(i * 16) as f32, (i % 3 * 16) as f32]);
+    let some: Vec<Cluster> = (0..20).map(cluster).collect();
+    for window in [15, 16, 17] {
+        let evaluation = Evaluation { window, subset: 1, difference: Difference::Relative, ..DEFAULT };
+        if assert_same(evaluation, 1, 5, &some).is_none() {
+            return;
+        }
+    }
+}
+
 /// More than one workgroup of merges, and more splits than 16 bits of a packed count would hold if they were not counted
 /// in parts.
 #[test]
