@@ -146,6 +146,24 @@ fn shadows_are_those_of_the_cpu_reference() {
     assert!(wrong <= (dark + between + open) / 100, "{wrong} pixels differ");
 }
 
+/// A sheet above the floor that is nearer to it than the depth bias hides nothing. The bias grows with the slope of the
+/// floor, and so with the distance from the place below the light.
+#[test]
+fn the_depth_bias_grows_with_the_slope() {
+    let outer = 70f32.to_radians();
+    let scene = square_under(LightKind::Spot { inner: outer, outer }, Vec3::Y, Vec3::NEG_Y);
+    let (texel, bias) = (2.0 * f64::from(outer.tan()) / f64::from(MAP), 0.25);
+    // Reached where the slope is ½.
+    let gap = bias * texel * 1.5;
+    let Some(direct) = light(&scene, |_| (1.0 - gap) as f32, None) else { return };
+    let lit = compare(&scene, &direct, |at| {
+        let (slope, to_light) = (at.x.hypot(at.z), DVec3::Y - at);
+        let open = to_light.normalize().y / to_light.length_squared();
+        ((slope - 0.5).abs() > 1e-3).then_some(if slope > 0.5 { open } else { 0.0 })
+    });
+    assert!(lit > 200, "{lit} pixels");
+}
+
 #[test]
 fn the_glossy_part_is_that_of_the_cpu_reference() {
     let place = vec3(0.0, 1.0, 0.0);
