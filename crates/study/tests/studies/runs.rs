@@ -175,6 +175,22 @@ fn parts_join_to_the_whole() {
 }
 
 #[test]
+fn a_reference_that_failed_in_one_part_is_taken_from_another() {
+    let plan = plan(study(SWEEP));
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    for (part, no_truth) in [(1, true), (2, false)] {
+        let options = RunOptions { shard: Some(Shard { part, parts: 2 }), ..RunOptions::default() };
+        told(&plan, &mut Fake { no_truth, ..Fake::default() }, &at(&format!("part-{part}")), &options);
+    }
+    for (first, second) in [("part-1", "part-2"), ("part-2", "part-1")] {
+        let merged = study::merge(&[at(first), at(second)], &at(&format!("{first}-first"))).unwrap();
+        let [reference] = &merged.study.references[..] else { panic!("one: {:?}", merged.study.references) };
+        assert!(reference.image.is_some() && reference.error.is_empty(), "{first} first: {reference:?}");
+    }
+}
+
+#[test]
 fn what_does_not_belong_together_is_not_joined() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
