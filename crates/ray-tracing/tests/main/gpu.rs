@@ -4,7 +4,7 @@ use crate::shared::{Mesh, Random, Ray};
 use frame_graph::port::OutputOverride;
 use glam::{Vec2, Vec3};
 use pass_test::Harness;
-use scene::{Encoding, Scene, Texture, Wrap};
+use scene::{Encoding, Scene, Texture, Vertex, Wrap};
 
 wgsl_structs::wgsl! {
     "tests/rays.wgsl" {
@@ -195,6 +195,72 @@ fn rays_leave_the_surfaces_that_they_start_from() {
                 let (name, extent) = (&scene.name, scene.extent());
                 assert_eq!(found.leaves, 1, "{name} of {extent} m, {way}: {found:?} of {ray:?}");
             }
+        }
+    }
+}
+
+/// A scene of a mesh.
+fn scene_of(mesh: &Mesh) -> Scene {
+    let mut scene = pass_test::scene("plane");
+    let vertex = |position: &[f32; 3]| Vertex { position: *position, ..scene.vertices[0] };
+    scene.vertices = mesh.positions.iter().map(vertex).collect();
+    scene.indices.clone_from(&mesh.indices);
+    scene.instances[0].vertex_count = scene.vertices.len() as u32;
+    scene.instances[0].index_count = scene.indices.len() as u32;
+    scene
+}
+
+/// The boxes of a flat wall are flat and meet at edges, where the distances at which a ray from far enters one and leaves it
+/// differ by rounding alone.
+#[test]
+fn no_ray_from_far_passes_a_wall_between_its_boxes() {
+    const SIDE: u32 = 32;
+    let mut wall = Mesh::default();
+    for i in 0..(SIDE + 1) * (SIDE + 1) {
+        wall.positions.push([(i % (SIDE + 1)) as f32, (i / (SIDE + 1)) as f32, 0.0]);
+    }
+    for i in 0..SIDE * SIDE {
+        let at = |x: u32, y: u32| (i / SIDE + y) * (SIDE + 1) + i % SIDE + x;
+        wall.indices.extend([at(0, 0), at(1, 0), at(1, 1), at(0, 0), at(1, 1), at(0, 1)]);
+    }
+    let mut random = Random(12);
+    let side = SIDE as f32;
+    let mut ray = |i: u32| {
+        let edge = (random.next() * (side - 2.0)).round() + 1.0;
+        let along = 0.5 + random.next() * (side - 1.0);
+        let target =
+            if i.is_multiple_of(2) { Vec3::new(edge, along, 0.0) } else { Vec3::new(along, edge, 0.0) };
+        let direction = random.direction();
+        let origin = target + direction * Vec3::new(1.0, 1.0, direction.z.signum()) * 1e4;
+        Ray::new(origin, target - origin)
+    };
+    let rays: Vec<Ray> = (0..50_000).map(&mut ray).filter(|ray| ray.direction.z < -1e3).collect();
+    for way in ways() {
+        let Some(found) = follow(&scene_of(&wall), 0.0, way, &rays) else { return };
+        let passed =
+            found[..rays.len()].iter().filter(|hit| hit.occluded == 0 || hit.triangle == u32::MAX).count();
+        assert_eq!(passed, 0, "{way}: of {} rays", rays.len());
+    }
+}
+
+#[test]
+fn rays_leave_surfaces_far_from_the_origin() {
+    for name in ["nave", "cornell-box"] {
+        let mut scene = pass_test::scene(name);
+        let far = Vec3::new(1e3, -1e3, 1e3) * scene.extent();
+        let (low, high) = scene.bounds();
+        let mesh = Mesh::of(&scene).map(|position| position + far);
+        for (vertex, position) in scene.vertices.iter_mut().zip(&mesh.positions) {
+            vertex.position = *position;
+        }
+        let rays = Random(13).rays((low + far, high + far), 20_000);
+        for way in ways() {
+            let Some(found) = follow(&scene, 0.0, way, &rays) else { return };
+            let (mut hits, mut stay) = (0, 0);
+            for hit in found.iter().filter(|hit| hit.triangle != u32::MAX) {
+                (hits, stay) = (hits + 1, stay + u32::from(hit.leaves == 0));
+            }
+            assert!(hits > 5000 && stay == 0, "{name}, {way}: {stay} of {hits} do not leave");
         }
     }
 }
