@@ -16,7 +16,9 @@ fn pictures_are_identical_with_sharing_on_off_and_poisoned() {
     {
         let Some(mut renderer) = renderer(pipeline, scene, (45, 31), SMALL) else { return };
         let mut pictures = Vec::new();
-        for (sharing, poison) in [(true, None), (false, None), (true, Some(FrameOptions::NAN)), (false, Some(0x5a))] {
+        for (sharing, poison) in
+            [(true, None), (false, None), (true, Some(FrameOptions::NAN)), (false, Some(0x5a))]
+        {
             renderer.set_compile_options(CompileOptions { sharing, ..CompileOptions::default() }).unwrap();
             renderer.set_frame_options(FrameOptions { poison, ..FrameOptions::default() });
             renderer.run_everything();
