@@ -1,6 +1,6 @@
 //! Errors of the GPU, with the pass and the bytes concerned.
 
-use frame_graph::Diagnostics;
+use frame_graph::{Diagnostics, human_bytes};
 
 /// An error of the executor.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -32,6 +32,18 @@ pub enum ExecutorError {
         /// The reasons for the size, as a note on lines of its own: facts of the port and settings of the pass. Empty
         /// where nothing is known.
         from: String,
+    },
+    /// A plan needs more memory than the adapter has.
+    #[error("the pipeline needs {}, and the adapter has {}; its largest resource, {largest}, needs {}", human_bytes(*.bytes), human_bytes(*.memory), human_bytes(*.most))]
+    Memory {
+        /// Bytes of all objects.
+        bytes: u64,
+        /// Bytes of the adapter.
+        memory: u64,
+        /// `pass.port` of the largest.
+        largest: String,
+        /// Its bytes.
+        most: u64,
     },
     /// The device has no more memory.
     #[error("out of memory: {resource} needs {bytes} bytes, beside {held} bytes held already")]

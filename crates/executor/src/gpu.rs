@@ -16,6 +16,8 @@ pub struct Gpu {
     pub info: AdapterInfo,
     /// Where the device was opened here: it counts the objects.
     instance: Option<Instance>,
+    /// The bytes that plans may take; `None` where the memory of the adapter is not known.
+    memory: Option<u64>,
     faults: Arc<Faults>,
 }
 
@@ -75,7 +77,18 @@ impl Gpu {
             adapter.request_device(&Self::device_descriptor(adapter)).await.map_err(|error| {
                 ExecutorError::Device { adapter: adapter.get_info().name, message: error.to_string() }
             })?;
-        Ok(Gpu { instance: Some(instance), ..Gpu::from_device(device, queue, adapter.get_info()) })
+        let gpu = Gpu::from_device(device, queue, adapter.get_info());
+        Ok(Gpu { instance: Some(instance), memory: memory_of(adapter), ..gpu })
+    }
+
+    /// Refuses plans that need more bytes, before any of their objects is created.
+    pub fn with_memory(self, bytes: u64) -> Gpu {
+        Gpu { memory: Some(bytes), ..self }
+    }
+
+    /// Returns the bytes that plans may take: the memory of an adapter that was opened here, where the system says it.
+    pub(crate) fn memory(&self) -> Option<u64> {
+        self.memory
     }
 
     /// Describes the device that Lightloom requests: all limits of the adapter, and the optional features that it has.
@@ -110,7 +123,7 @@ impl Gpu {
                 wgpu::DeviceLostReason::Unknown => message,
             });
         });
-        Gpu { device, queue, info, instance: None, faults }
+        Gpu { device, queue, info, instance: None, memory: None, faults }
     }
 
     /// Returns the first error since the last call, if there was one. A device that is gone has one in every call.
@@ -248,6 +261,36 @@ impl Gpu {
             Err(_) => lost("the driver failed while it was waited for".to_owned()),
         }
     }
+}
+
+/// Returns the memory of an adapter: that of the machine where it renders on the processor.
+fn memory_of(adapter: &Adapter) -> Option<u64> {
+    if adapter.get_info().device_type == wgpu::DeviceType::Cpu {
+        let about = std::fs::read_to_string("/proc/meminfo").ok()?;
+        let total = about.lines().find_map(|line| line.strip_prefix("MemTotal:"))?;
+        let kib: u64 = total.trim().strip_suffix(" kB")?.parse().ok()?;
+        return Some(kib * 1024);
+    }
+    memory_by_vulkan(adapter)
+}
+
+#[cfg(not(target_vendor = "apple"))]
+fn memory_by_vulkan(adapter: &Adapter) -> Option<u64> {
+    #[expect(unsafe_code, reason = "wgpu does not say how much memory there is")]
+    // SAFETY: the adapter of the driver is asked for its properties, and nothing is changed or kept.
+    let memory = unsafe {
+        let adapter = adapter.as_hal::<wgpu::hal::api::Vulkan>()?;
+        let instance = adapter.shared_instance().raw_instance();
+        instance.get_physical_device_memory_properties(adapter.raw_physical_device())
+    };
+    // VK_MEMORY_HEAP_DEVICE_LOCAL_BIT
+    let own = memory.memory_heaps_as_slice().iter().filter(|heap| heap.flags.as_raw() & 1 != 0);
+    own.map(|heap| heap.size).max()
+}
+
+#[cfg(target_vendor = "apple")]
+fn memory_by_vulkan(_: &Adapter) -> Option<u64> {
+    None
 }
 
 /// Leave to use ray queries where an adapter has them. Nothing else that wgpu counts as experimental is requested.

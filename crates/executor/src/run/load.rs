@@ -120,7 +120,17 @@ impl Executor {
             let from = || size_from(plan, allocation);
             check_limits(&self.gpu, name_of(plan, allocation), (&allocation.desc, bound), from)?;
         }
-        Ok(())
+        let bytes = plan.allocations.iter().map(|allocation| allocation.desc.bytes()).sum();
+        let largest = plan.allocations.iter().max_by_key(|allocation| allocation.desc.bytes());
+        match (largest, self.gpu.memory()) {
+            (Some(largest), Some(memory)) if bytes > memory => Err(ExecutorError::Memory {
+                bytes,
+                memory,
+                largest: name_of(plan, largest).to_owned(),
+                most: largest.desc.bytes(),
+            }),
+            _ => Ok(()),
+        }
     }
 
     /// Builds the steps of all passes, or, where the structure is `kept`, of those whose steps are not the loaded ones;

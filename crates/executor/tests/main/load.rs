@@ -1,7 +1,7 @@
 //! Loading a plan in place of another: what goes on, what runs again, and how much is held.
 
-use crate::harness::{Running, TestPass, Workshop, every_frame, shader, texture, words};
-use executor::{ExecutorError, FrameOptions};
+use crate::harness::{Running, TestPass, Workshop, every_frame, gpu, shader, texture, words};
+use executor::{Executor, ExecutorError, FrameOptions};
 use frame_graph::ResetCause;
 use pass::{Compute, Extent, Format, OutputDesc, ResourceDesc, Step, Threads};
 
@@ -156,7 +156,9 @@ fn a_plan_beyond_the_memory_restores_the_one_before() {
     for (refused, outputs, age) in
         [(&*with_past, r#""out": "huge", "sum": "count""#, 2), (huge, r#""out": "huge""#, 0)]
     {
-        let Some(mut running) = workshop().start(&passes(1, 1), OUTPUTS) else { return };
+        // The driver itself is asked.
+        let Some(gpu) = gpu().map(|gpu| gpu.with_memory(u64::MAX)) else { return };
+        let mut running = workshop().start_on(gpu, &passes(1, 1), OUTPUTS);
         running.frame();
         running.frame();
         let before = running.0.held_bytes();
@@ -252,4 +254,29 @@ fn what_is_handed_on_is_the_resource_itself() {
     assert_eq!(report.ran, [true, false, false, true]);
     assert_eq!((running.read("scale.out")[0], running.read("second.seen")[0]), (10, 2));
     assert_eq!(running.id("first.seen"), running.id("count.sum"));
+}
+
+#[test]
+fn a_plan_larger_than_the_memory_is_refused_before_anything_is_created() {
+    let Some(gpu) = gpu() else { return };
+    let fill =
+        "var<storage, read_write> out: array<u32>; @compute @workgroup_size(1) fn main() { out[0] = 1u; }";
+    let of = |kind: &'static str, bytes| {
+        let output = OutputDesc::one("out", ResourceDesc::buffer(bytes)).cleared();
+        TestPass::new(kind).output(output).steps(|_| one("fill.wgsl"))
+    };
+    let workshop = Workshop::new(vec![of("small", 1024), of("large", 1 << 20)], &[("fill.wgsl", fill)]);
+    let both = || {
+        workshop
+            .link(r#""a": Pass(kind: "small"), "b": Pass(kind: "large")"#, r#""a": "a", "b": "b""#)
+            .unwrap()
+    };
+    let mut running = Running(Executor::new(gpu.clone().with_memory(1 << 20)));
+    let refused = running.load(both()).unwrap_err().to_string();
+    let words =
+        "the pipeline needs 1.0 MiB, and the adapter has 1.0 MiB; its largest resource, b.out, needs 1.0 MiB";
+    assert_eq!(refused, words);
+    assert_eq!(running.0.most_held_bytes(), 0);
+    running.0 = Executor::new(gpu.with_memory((1 << 20) + 1024));
+    running.load(both()).unwrap();
 }
