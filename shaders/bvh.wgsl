@@ -208,11 +208,9 @@ fn bvh_triangle(ray: BvhRay, triangle: BvhItem, nearest: f32, hit: ptr<function,
     if !(distance > nearest && distance < (*hit).distance) {
         return false;
     }
-#if MASKED
-    if !hit_exists(index, barycentrics.yz) {
+    if !triangle_exists(index, barycentrics.yz) {
         return false;
     }
-#endif
     *hit = Hit(distance, index, barycentrics.yz);
     return true;
 }

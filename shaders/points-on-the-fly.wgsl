@@ -7,6 +7,7 @@
 // Corput's sequence, scrambled differently for each map: with the first coordinate, Hammersley's points.
 
 #import "amplification.wgsl"
+#import "mask.wgsl"
 #import "scene.wgsl"
 #import "sobol.wgsl"
 #import "surface-sample.wgsl"
@@ -73,5 +74,6 @@ fn surface_sample(wanted: SamplesWanted, index: u32) -> SurfaceSample {
     let position = edges.corner + at.x * edges.a + at.y * edges.b;
     // The step in intervals is that between two samples of any map.
     let share = (f32(step.x) + f32(step.y) * exp2(-32.0)) / f32(width);
-    return SurfaceSample(position, map, shape.xyz, shape.w * share * f32(wanted.maps));
+    let area = select(0.0, shape.w * share * f32(wanted.maps), triangle_exists(triangle, at));
+    return SurfaceSample(position, map, shape.xyz, area, triangle, 0u, 0u, 0u);
 }

@@ -21,7 +21,8 @@ fn samples_requested() -> u32 {
 /// Sample `index` of those of all maps. Neighbours belong to the same map.
 fn surface_sample(wanted: SamplesWanted, index: u32) -> SurfaceSample {
     let point = points[index % points_facts.count];
-    // Each stands for the same area: the area of the scene over the number of samples of one map.
-    let area = scene_info.area / f32(wanted.per_map);
-    return SurfaceSample(point.position, index / wanted.per_map, point.normal, area);
+    // Each stands for the same area: the area of the scene over the number of samples of one map. Where the surface is cut
+    // out, there is none.
+    let area = select(scene_info.area / f32(wanted.per_map), 0.0, all(point.normal == vec3(0.0)));
+    return SurfaceSample(point.position, index / wanted.per_map, point.normal, area, point.triangle, 0u, 0u, 0u);
 }

@@ -33,7 +33,7 @@ fn query_rays(
     );
     while rayQueryProceed(&query) {
         let candidate = rayQueryGetCandidateIntersection(&query);
-        if hit_exists(candidate.primitive_index, candidate.barycentrics) {
+        if triangle_exists(candidate.primitive_index, candidate.barycentrics) {
             rayQueryConfirmIntersection(&query);
         }
     }

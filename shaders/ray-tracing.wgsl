@@ -9,13 +9,9 @@
 //     fn occluded(origin: vec3<f32>, direction: vec3<f32>, nearest: f32, farthest: f32) -> bool
 
 #option RAYS bvh one_of [bvh, query] // How rays are traced: by traversal in WGSL, or by the adapter's ray queries, where it has them.
-#option MASKED false // whether triangles do not count where alpha is below their material's cutoff
-#option TEXTURED false // whether any material of the scene has a texture, where MASKED
 
+#import "mask.wgsl"
 #import "scene.wgsl"
-#if MASKED
-#import "surface.wgsl"
-#endif
 #if RAYS == query
 #import "ray-query.wgsl"
 #else
@@ -43,17 +39,3 @@ fn offset_origin(position: vec3<f32>, geometric_normal: vec3<f32>) -> vec3<f32> 
     let least = vec3(scene_info.extent * 0x1p-18f);
     return position + geometric_normal * max(abs(position) * 0x1p-16f, least);
 }
-
-#if MASKED
-/// Whether the surface of a triangle is there at a point.
-fn hit_exists(index: u32, barycentrics: vec2<f32>) -> bool {
-    let first = scene_vertices[scene_indices[3u * index]];
-    if scene_materials[first.material].alpha_cutoff <= 0.0 {
-        return true;
-    }
-    let uv1 = scene_vertices[scene_indices[3u * index + 1u]].uv;
-    let uv2 = scene_vertices[scene_indices[3u * index + 2u]].uv;
-    let uv = first.uv + (uv1 - first.uv) * barycentrics.x + (uv2 - first.uv) * barycentrics.y;
-    return surface_exists(first.material, surface(first.material, uv, vec2(0.0), vec2(0.0)).coverage);
-}
-#endif

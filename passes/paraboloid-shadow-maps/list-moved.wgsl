@@ -42,8 +42,10 @@ fn list(@builtin(local_invocation_index) thread: u32) {
             let index = block + thread;
             var has_moved = false;
             if index < end {
-                var stand = Stand(vec3(0.0), 1u, vec3(0.0, 0.0, 1.0), 0u);
-                if index < lights.count {
+                var stand = Stand(vec3(0.0), 0u, vec3(0.0, 0.0, 1.0), 0u);
+                // A dark light has no map, until it shines.
+                if index < lights.count && any(lights.lights[index].flux != vec3(0.0)) {
+                    stand.is_rendered = 1u;
                     stand.position = lights.lights[index].position;
                     stand.normal = lights.lights[index].normal;
                 }

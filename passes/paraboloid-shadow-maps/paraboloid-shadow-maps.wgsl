@@ -26,8 +26,10 @@
 #output stands: Stands(count: lights.count) cleared // Where the lights stand whose maps these are; zero where maps are not
     // kept.
 
+#option MASKED false // whether triangles do not count where alpha is below their material's cutoff
 #option PAST false // whether maps are kept, and only those that are listed are rendered
 
+#import "mask.wgsl"
 #import "paraboloid.wgsl"
 #import "scene.wgsl"
 #import "virtual-lights.wgsl"
@@ -66,6 +68,9 @@ struct Cover {
     @location(2) @interpolate(flat) c: vec3<f32>,
     /// First texel of the light's tile.
     @location(3) @interpolate(flat) origin: vec2<u32>,
+#if MASKED
+    @location(4) @interpolate(flat) triangle: u32,
+#endif
 }
 
 /// A box in the square [-1, 1]².
@@ -140,7 +145,7 @@ fn cover(@builtin(vertex_index) vertex: u32, @builtin(instance_index) map: u32) 
 #else
     let light = settings.first_map + map;
 #endif
-    if light >= lights.count {
+    if light >= lights.count || all(lights.lights[light].flux == vec3(0.0)) {
         return out;
     }
     let first = vertex / 3u * 3u;
@@ -164,7 +169,11 @@ fn cover(@builtin(vertex_index) vertex: u32, @builtin(instance_index) map: u32) 
     let origin = tile_origin(light, settings.visibility_columns, settings.visibility_rows, tile).xy;
     let at = vec2<f32>(origin) + low + corner * 2.0 * (high - low);
     let ndc = vec2(2.0, -2.0) * at / vec2<f32>(settings.visibility_size) + vec2(-1.0, 1.0);
+#if MASKED
+    return Cover(vec4(ndc, 0.0, 1.0), a, b, c, origin, vertex / 3u);
+#else
     return Cover(vec4(ndc, 0.0, 1.0), a, b, c, origin);
+#endif
 }
 
 struct Hit {
@@ -199,5 +208,11 @@ fn hit(in: Cover) -> Hit {
     if !(distance > 0.0 && distance < NOTHING) || !above_horizon(direction * distance, scene_info.extent) {
         discard;
     }
+#if MASKED
+    // The numbers of the edges are in proportion to the weights of the vertices on the other side.
+    if !triangle_exists(in.triangle, sides.yz / (sides.x + sides.y + sides.z)) {
+        discard;
+    }
+#endif
     return Hit(distance, scene_info.extent / (scene_info.extent + distance));
 }

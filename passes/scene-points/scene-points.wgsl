@@ -6,6 +6,7 @@
     // stratified by itself.
 
 #import "dispatch.wgsl"
+#import "mask.wgsl"
 #import "points.wgsl"
 #import "random.wgsl"
 #import "scene.wgsl"
@@ -56,10 +57,11 @@ fn place(row: Row) {
     let barycentric = vec2(min(rounded.x, 65535u), min(rounded.y, 65535u - min(rounded.x, 65535u)));
     let edges = triangle_of_scene(triangle);
     let at = vec2<f32>(barycentric) / 65535.0;
+    let normal = normal_and_area(edges.a, edges.b).xyz;
     points[index] = Point(
         edges.corner + at.x * edges.a + at.y * edges.b,
         triangle,
-        normal_and_area(edges.a, edges.b).xyz,
+        select(vec3(0.0), normal, triangle_exists(triangle, at)),
         barycentric.x | (barycentric.y << 16u),
     );
 }

@@ -28,6 +28,11 @@ struct SurfaceSample {
     normal: vec3<f32>,
     /// Area that it represents among the samples of its map [m²]; 0 where there is no such sample.
     area: f32,
+    /// The triangle on which it lies.
+    triangle: u32,
+    pad0: u32,
+    pad1: u32,
+    pad2: u32,
 }
 
 /// Result of `samples_requested()` where any number will do.

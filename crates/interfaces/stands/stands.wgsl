@@ -4,7 +4,7 @@
 struct Stand {
     /// Position in world space [m].
     position: vec3<f32>,
-    /// 1 where there is a map; 0 before.
+    /// 1 where there is a map; 0 before, and where the light is dark.
     is_rendered: u32,
     /// Normal, unit.
     normal: vec3<f32>,

@@ -1,8 +1,8 @@
 //! Rooms made of quads, where light has closed forms.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3, Vec4};
 use interfaces::surface_points::{SurfacePoint, packed_albedo};
-use scene::{Camera, Instance, LightKind, Material, Scene, Vertex};
+use scene::{Camera, Encoding, Instance, LightKind, Material, Scene, Texture, Vertex, Wrap};
 use std::f64::consts::PI;
 
 /// A parallelogram of one material.
@@ -56,6 +56,38 @@ pub fn room(quads: &[Quad], materials: Vec<Material>) -> Scene {
         moves: false,
     }];
     scene.lights[0].intensity = Vec3::ZERO;
+    scene
+}
+
+/// Returns the scene `plane`, which faces y, with a normal map that bends its normal by `angle` \[°\] towards x; and the unit
+/// normal that the bytes of the map say.
+pub fn bent_plane(angle: f64) -> (Scene, DVec3) {
+    let (sine, cosine) = angle.to_radians().sin_cos();
+    let pixel = [sine, 0.0, cosine].map(|x| (255.0 * (0.5 * x + 0.5)).round() as u8);
+    let mut scene = plane_with_texture(1, Encoding::Linear, |_| [pixel[0], pixel[1], pixel[2], 255]);
+    scene.materials[0].normal_texture = Some(0);
+    // The square's u grows along x, and its v against z.
+    let [along_u, against_v, up] = pixel.map(|byte| f64::from(byte) / 127.5 - 1.0);
+    (scene, DVec3::new(along_u, up, against_v).normalize())
+}
+
+/// Returns the scene `plane`, which is cut out where x is negative.
+pub fn half_plane() -> Scene {
+    let mut scene =
+        plane_with_texture(16, Encoding::Srgb, |column| [255, 255, 255, if column < 8 { 0 } else { 255 }]);
+    scene.materials[0].base_color_texture = Some(0);
+    scene.materials[0].alpha_cutoff = Some(0.5);
+    scene
+}
+
+/// Returns the scene `plane` with a texture of `side` by `side` pixels, which its material does not have yet. A column's x grows with
+/// its number.
+fn plane_with_texture(side: u32, encoding: Encoding, pixel: impl Fn(u32) -> [u8; 4]) -> Scene {
+    let mut scene = crate::scene("plane");
+    let pixels = (0..side * side).flat_map(|i| pixel(i % side)).collect();
+    let wrap = [Wrap::Clamp; 2];
+    scene.textures =
+        vec![Texture { name: "plane".into(), width: side, height: side, pixels, encoding, wrap }];
     scene
 }
 

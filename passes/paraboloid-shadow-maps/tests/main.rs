@@ -48,6 +48,37 @@ fn render(scene: Scene, lights: &[(DVec3, DVec3)], tile: u32) -> Option<Vec<Vec<
     Some(render_in_layers(scene, lights, tile, AtlasLayout::SIDE)?.0)
 }
 
+#[test]
+fn what_is_cut_out_hides_nothing() {
+    // 1 m above a square of 2 m, whose half with negative x is cut out.
+    let lights = [(DVec3::Y, DVec3::NEG_Y)];
+    let Some(maps) = render(pass_test::rooms::half_plane(), &lights, 32) else { return };
+    let mut met = 0;
+    for (i, distance) in (0..).zip(&maps[0]) {
+        let direction = direction_from_paraboloid(texel_centre(uvec2(i % 32, i / 32), 32));
+        let at = DVec3::Y + frame_from_normal(DVec3::NEG_Y) * direction / direction.z;
+        if direction.z <= 0.0 || at.x.abs().max(at.z.abs()) > 1.0 || at.x < -0.1 {
+            assert!(*distance > 1e30, "texel {i} at {at} has {distance}");
+        } else if at.x > 0.1 {
+            assert!((distance * direction.z - 1.0).abs() < 1e-5, "texel {i} at {at} has {distance}");
+            met += 1;
+        }
+    }
+    assert!(met > 60, "{met} texels see the square");
+}
+
+#[test]
+fn a_dark_light_has_an_empty_map() {
+    let dark = VirtualLight { flux: [0.0; 3], ..light_at(DVec3::Y, DVec3::NEG_Y) };
+    let harness = Harness::new(paraboloid_shadow_maps::PASS).scene("plane").set("map", 8);
+    let Some(outputs) = harness.lights(&[light_at(DVec3::Y, DVec3::NEG_Y), dark]).run() else { return };
+    let atlas = outputs.read::<f32>("visibility.atlas");
+    let columns = outputs.fact("visibility", "columns").as_u32().expect("a number") as usize;
+    let is_of = |light: usize, i: usize| (i / (8 * columns) / 8 * columns + i % (8 * columns) / 8) == light;
+    let met = |light| atlas.iter().enumerate().filter(|(i, at)| is_of(light, *i) && **at < 1e30).count();
+    assert!(met(0) > 10 && met(1) == 0, "{} and {} texels", met(0), met(1));
+}
+
 /// The maps in an atlas whose layers have sides of at most `side`, and how many layers there are.
 fn render_in_layers(
     scene: Scene,

@@ -88,6 +88,19 @@ fn triangles_count_as_they_are_now() {
     assert!((sum_of_areas(&samples, 0) / area - 1.0).abs() < 0.02);
 }
 
+#[test]
+fn samples_where_the_surface_is_cut_out_are_none() {
+    let scene = pass_test::rooms::half_plane();
+    let Some(found) = amplify(&scene, 0.0, "area") else { return };
+    let Some(samples) = found.samples(&scene, 0.0, 3, 1_000) else { return };
+    for sample in &samples {
+        // Filtering spreads the edge over a texel.
+        assert!(sample.position[0] > -0.1 || sample.area == 0.0, "{sample:?}");
+        assert!(sample.position[0] < 0.1 || sample.area > 0.0, "{sample:?}");
+    }
+    assert!((sum_of_areas(&samples, 1) / 2.0 - 1.0).abs() < 0.1, "half of 4 m²");
+}
+
 fn sum_of_areas(samples: &[SurfaceSample], map: u32) -> f64 {
     samples.iter().filter(|sample| sample.map == map).map(|sample| f64::from(sample.area)).sum()
 }
