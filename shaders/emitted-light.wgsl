@@ -28,7 +28,7 @@ fn reflected_emission(vertex: PathVertex, leaving: vec3<f32>, place: vec2<u32>) 
     let cosine = dot(vertex.normal, to_light);
     let sampled = over_solid_angle(point.density, dot(offset, to_light), to_light, point.normal);
     // Also where the two coincide, and have no direction.
-    if !(cosine > 0.0 && sampled > 0.0) {
+    if !(cosine > 0.0 && dot(vertex.geometric, to_light) > 0.0 && sampled > 0.0) {
         return vec3(0.0);
     }
     // The factors before the radiance are bounded, whatever it is.
@@ -37,7 +37,7 @@ fn reflected_emission(vertex: PathVertex, leaving: vec3<f32>, place: vec2<u32>) 
     if !any(reflected > vec3(0.0)) {
         return vec3(0.0);
     }
-    let origin = offset_origin(vertex.position, facing(vertex.geometric, to_light));
+    let origin = offset_origin(vertex.position, vertex.geometric);
     // The ray ends before the emitter, on the side that is seen.
     let end = offset_origin(point.position, facing(point.normal, -to_light));
     if occluded(origin, end - origin, 0.0, 1.0) {

@@ -6,7 +6,7 @@
 /// All directions leave the surface, unit.
 fn ggx(normal: vec3<f32>, to_light: vec3<f32>, to_camera: vec3<f32>, f0: vec3<f32>, roughness: f32) -> vec3<f32> {
     let nl = dot(normal, to_light);
-    // A shading normal at a silhouette may turn from the camera; the surface is seen all the same.
+    // Seen on edge, a surface would reflect without bound.
     let nv = max(dot(normal, to_camera), 1e-3);
     // A mirror shows a light without extent nowhere, or without bound: it is kept this rough.
     let a = max(roughness * roughness, 1e-3);

@@ -8,7 +8,7 @@
 struct PathVertex {
     /// World space [m].
     position: vec3<f32>,
-    /// Unit normal of the triangle, on the side from which the ray came.
+    /// Unit normal of the triangle, on the side from which the ray came. Light arrives and leaves on this side alone.
     geometric: vec3<f32>,
     /// For shading, unit, on the same side.
     normal: vec3<f32>,
@@ -36,6 +36,11 @@ fn path_vertex(hit: Hit, direction: vec3<f32>) -> PathVertex {
     // The directions of the texture, over so small a part of the triangle that the finest level is read.
     let part = 1.0 / 65536.0;
     let change = Change(to_b * part, to_c * part, (b.uv - a.uv) * part, (c.uv - a.uv) * part);
-    vertex.normal = shading_normal(a.material, interpolated, vertex.geometric, uv, change);
+    vertex.normal = shading_normal(a.material, smooth_normal(interpolated, vertex.geometric), uv, change);
+    // A surface whose shading normal turns away reflects nothing to where the ray came from.
+    if dot(vertex.normal, direction) >= 0.0 {
+        vertex.surface.albedo = vec3(0.0);
+        vertex.surface.specular = vec3(0.0);
+    }
     return vertex;
 }

@@ -14,10 +14,10 @@ fn reflected_light(vertex: PathVertex, leaving: vec3<f32>) -> vec3<f32> {
         let incident = incident_light(light, vertex.position);
         let to_light = -incident.direction;
         let irradiance = incident.irradiance * dot(vertex.normal, to_light);
-        if !any(irradiance > vec3(0.0)) {
+        if !any(irradiance > vec3(0.0)) || dot(vertex.geometric, to_light) <= 0.0 {
             continue;
         }
-        let origin = offset_origin(vertex.position, facing(vertex.geometric, to_light));
+        let origin = offset_origin(vertex.position, vertex.geometric);
         var shadowed: bool;
         if light.kind == LIGHT_DIRECTIONAL {
             shadowed = occluded(origin, to_light, 0.0, FAR);

@@ -28,15 +28,17 @@ fn scatter(vertex: PathVertex, leaving: vec3<f32>, index: u32, direction_seed: u
     if sobol2_of(index, lobe_seed).x < share {
         local = reflect(-toward, visible_normal(toward, lobe_alpha(vertex.surface), square));
     }
-    if local.z <= 0.0 {
+    let direction = tangents * local;
+    if local.z <= 0.0 || dot(vertex.geometric, direction) <= 0.0 {
         return Scattered(vec3(0.0), vec3(0.0), 0.0, 0.0);
     }
     let density = lobes_density(vertex.surface, share, toward, local);
-    let direction = tangents * local;
     let weight = reflectance(vertex, direction, leaving) * local.z / density;
     return Scattered(direction, weight, local.z / (PI * density), density);
 #else
-    return Scattered(tangents * local, vertex.surface.albedo, 1.0, local.z / PI);
+    let direction = tangents * local;
+    let arrives = select(0.0, 1.0, dot(vertex.geometric, direction) > 0.0);
+    return Scattered(direction, arrives * vertex.surface.albedo, arrives, local.z / PI);
 #endif
 }
 

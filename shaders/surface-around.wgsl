@@ -2,6 +2,7 @@
 // stop at edges of the geometry.
 
 #import "camera.wgsl"
+#import "view-geometric.wgsl"
 
 var view_depth: texture_2d<f32>;
 var view_normal: texture_2d<f32>;
@@ -11,16 +12,17 @@ struct SurfaceAround {
     pixel: vec2<i32>,
     /// Along the viewing axis [m]; 0 where nothing is seen.
     depth: f32,
-    /// World space, unit.
+    /// For shading; world space, unit.
     normal: vec3<f32>,
-    /// Height of the centre's ray above the plane through the camera with this normal, per depth, and how it changes from
+    /// Height of the centre's ray above the plane through the camera that is parallel to the surface, per depth, and how it changes from
     /// a pixel to the next on the right and below: rays change linearly over the image.
     slope: vec3<f32>,
 }
 
 fn surface_around(pixel: vec2<u32>, size: vec2<u32>, depth: f32, normal: vec3<f32>) -> SurfaceAround {
     let steps = pixel_ray_steps(size);
-    let slope = vec3(dot(normal, pixel_ray(vec2<f32>(pixel), size)), dot(normal, steps[0]), dot(normal, steps[1]));
+    let plane = plane_normal(pixel, normal);
+    let slope = vec3(dot(plane, pixel_ray(vec2<f32>(pixel), size)), dot(plane, steps[0]), dot(plane, steps[1]));
     return SurfaceAround(vec2<i32>(pixel), depth, normal, slope);
 }
 

@@ -85,28 +85,39 @@ fn surface_exists(index: u32, coverage: f32) -> bool {
     return coverage >= scene_materials[index].alpha_cutoff;
 }
 
-/// The normal for shading, unit, on the seen side: the interpolated one, bent by the material's normal map.
+/// The interpolated normal, unit, on the seen side.
 ///
 /// `towards` is the geometric normal on the seen side, of any length. It decides the side, since the winding of
 /// real scenes says nothing, and since an interpolated normal at a silhouette may turn away from who sees it.
-fn shading_normal(
-    index: u32, interpolated: vec3<f32>, towards: vec3<f32>, uv: vec2<f32>, change: Change,
-) -> vec3<f32> {
-    var normal = interpolated;
+fn smooth_normal(interpolated: vec3<f32>, towards: vec3<f32>) -> vec3<f32> {
     // Normals of unit length that nearly cancel between vertices have no direction of their own.
-    if dot(normal, normal) < 1e-8 {
-        normal = towards;
-    }
-    normal = facing(unit(normal), towards);
+    let is_valid = dot(interpolated, interpolated) >= 1e-8;
+    return facing(unit(select(towards, interpolated, is_valid)), towards);
+}
+
+/// The normal for shading, unit: the smooth one, bent by the material's normal map. Bent far enough, it turns away from who
+/// sees the surface.
+fn shading_normal(index: u32, unbent: vec3<f32>, uv: vec2<f32>, change: Change) -> vec3<f32> {
 #if TEXTURED
     let layer = scene_materials[index].normal_texture;
     if layer != NO_TEXTURE {
         let texel = texel_of(scene_textures_linear, uv, layer, change.uv_x, change.uv_y);
         let scale = vec3(vec2(scene_materials[index].normal_scale), 1.0);
-        normal = bent_normal(normal, (texel.xyz * 2.0 - 1.0) * scale, change);
+        return bent_normal(unbent, (texel.xyz * 2.0 - 1.0) * scale, change);
     }
 #endif
-    return normal;
+    return unbent;
+}
+
+/// The flux that a surface reflects under a bent normal, over that under its own: it is lit by the cosine of the bent normal,
+/// and reflects nothing below the horizon of that, which is (1 - cosα) / 2 of what leaves a Lambertian surface.
+fn bent_share(normal: vec3<f32>, unbent: vec3<f32>, to_light: vec3<f32>) -> f32 {
+    if all(normal == unbent) {
+        return 1.0;
+    }
+    // A plane that is nearly parallel to the beam counts as if it stood at 84°, as its area does.
+    let lit = max(dot(normal, to_light), 0.0) / max(dot(unbent, to_light), 0.1);
+    return lit * (0.5 + 0.5 * dot(normal, unbent));
 }
 
 /// The normal, flipped to the side of a direction.

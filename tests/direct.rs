@@ -169,3 +169,29 @@ fn grazing_light_leaves_no_specks() {
     }
     assert!(pixels > 200, "{pixels} pixels see the floor");
 }
+
+/// Shadow tests take the plane of the surface: by the bent normal, the map's texels around would shade it.
+#[test]
+fn a_normal_map_casts_no_shadow() {
+    let (bent, normal) = pass_test::rooms::bent_plane(30.0);
+    let direction = vec3(-0.6, -0.8, 0.0);
+    let light = lit_by(LightKind::Directional, Vec3::ZERO, direction);
+    let change = |scene: &mut Scene| {
+        (scene.textures, scene.materials) = (bent.textures.clone(), bent.materials.clone());
+        light(scene);
+    };
+    let Some((scene, direct)) = render(change, &[]) else { return };
+    let expected = 0.5 / PI * normal.dot(-direction.as_dvec3());
+    let mut pixels = 0;
+    for (i, found) in direct.iter().enumerate() {
+        if let Seen::Floor(at) = seen(&scene, i, false) {
+            assert!(
+                (f64::from(found[0]) / expected - 1.0).abs() < 5e-3,
+                "{} for {expected} at {at}",
+                found[0]
+            );
+            pixels += 1;
+        }
+    }
+    assert!(pixels > 200, "{pixels} pixels see the floor");
+}

@@ -22,6 +22,7 @@
 #import "reflected-light.wgsl"
 #import "sobol.wgsl"
 #import "tangent-frame.wgsl"
+#import "view-geometric.wgsl"
 
 struct Settings {
     view_size: vec2<u32>,
@@ -51,24 +52,27 @@ fn compensate(@builtin(global_invocation_id) id: vec3<u32>) {
     if depth > 0.0 && bound > 0.0 {
         let at = camera.position + pixel_ray(vec2<f32>(id.xy), settings.view_size) * depth;
         let normal = normalize(textureLoad(view_normal, id.xy, 0).xyz);
-        whole += vec4(near_field(id.xy, at, normal, bound), 0.0);
+        whole += vec4(near_field(id.xy, at, normal, plane_normal(id.xy, normal), bound), 0.0);
     }
     textureStore(compensated, id.xy, whole);
 }
 
-/// The irradiance that bounded lights lack [W/m²], at a point [m] with a unit normal.
-fn near_field(pixel: vec2<u32>, at: vec3<f32>, normal: vec3<f32>, bound: f32) -> vec3<f32> {
+/// The irradiance that bounded lights lack [W/m²], at a point [m] with a unit normal, in a plane with another.
+fn near_field(pixel: vec2<u32>, at: vec3<f32>, normal: vec3<f32>, plane: vec3<f32>, bound: f32) -> vec3<f32> {
     let interleave = max(vec2(settings.irradiance_interleave_x, settings.irradiance_interleave_y), vec2(1u));
     let window = pixel / interleave;
     let within = pixel % interleave;
     let place = within.y * interleave.x + within.x;
     let window_seed = hash2(settings.seed, hash2(window.x, window.y));
     let tangents = frame_from_normal(normal);
-    let origin = offset_origin(at, normal);
+    let origin = offset_origin(at, plane);
     var sum = vec3(0.0);
     for (var ray = 0u; ray < settings.rays_per_pixel; ray++) {
         let square = sobol2_of(place * settings.rays_per_pixel + ray, window_seed);
         let direction = tangents * by_cosine(square);
+        if dot(direction, plane) <= 0.0 {
+            continue;
+        }
         let hit = trace(origin, direction, 0.0, bound);
         if hit.triangle == NO_HIT {
             continue;

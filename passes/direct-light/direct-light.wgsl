@@ -17,6 +17,7 @@
 #import "light-map.wgsl"
 #import "scene.wgsl"
 #import "slope.wgsl"
+#import "view-geometric.wgsl"
 
 struct Settings {
     direct_size: vec2<u32>,
@@ -51,6 +52,7 @@ fn direct_light(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let at = position_from_depth(id.xy, depth);
     let normal = textureLoad(view_normal, id.xy, 0).xyz;
+    let plane = plane_normal(id.xy, normal);
     let albedo = textureLoad(view_albedo, id.xy, 0).rgb;
     var radiance = vec3(0.0);
     for (var i = 0u; i < scene_lights.count; i++) {
@@ -58,7 +60,7 @@ fn direct_light(@builtin(global_invocation_id) id: vec3<u32>) {
         let incident = incident_light(light, at);
         let irradiance = incident.irradiance * dot(normal, -incident.direction);
         // A light that is behind the surface, too far off its axis or dark needs no shadow-map lookup.
-        if !any(irradiance > vec3(0.0)) {
+        if !any(irradiance > vec3(0.0)) || dot(plane, incident.direction) >= 0.0 {
             continue;
         }
         var reflected = albedo / PI;
@@ -67,7 +69,7 @@ fn direct_light(@builtin(global_invocation_id) id: vec3<u32>) {
         let towards_camera = -normalize(view_ray(vec2<f32>(id.xy) + 0.5));
         reflected += ggx(normal, -incident.direction, towards_camera, specular.rgb, specular.a);
 #endif
-        radiance += reflected * irradiance * visibility(layer_that_sees(light, at), at, normal);
+        radiance += reflected * irradiance * visibility(layer_that_sees(light, at), at, plane);
     }
     textureStore(direct, id.xy, vec4(radiance, 1.0));
 }
@@ -76,7 +78,7 @@ fn direct_light(@builtin(global_invocation_id) id: vec3<u32>) {
 /// without bound, and whatever lies in front of it would be taken for the plane itself.
 const STEEPEST: f32 = 8.0;
 
-/// The share of a layer's light that reaches a point.
+/// The share of a layer's light that reaches a point [m] of a plane with the unit `normal`.
 fn visibility(index: u32, at: vec3<f32>, normal: vec3<f32>) -> f32 {
     let layer = scene_light_layers[index];
     let axes = mat3x3(layer.world_from_layer[0].xyz, layer.world_from_layer[1].xyz, layer.world_from_layer[2].xyz);

@@ -23,6 +23,7 @@
 #import "camera.wgsl"
 #import "color.wgsl"
 #import "scene.wgsl"
+#import "view-geometric.wgsl"
 #import "virtual-lights.wgsl"
 #if VISIBILITY
 #import interface "visibility"
@@ -113,6 +114,8 @@ struct Receiver {
     seen: bool,
     at: vec3<f32>,
     normal: vec3<f32>,
+    /// The normal of its plane.
+    plane: vec3<f32>,
     sum: vec4<f32>,
 }
 
@@ -155,6 +158,7 @@ fn gather(
         receivers[r].seen = depth > 0.0;
         receivers[r].at = camera.position + pixel_ray(vec2<f32>(inside), settings.view_size) * depth;
         receivers[r].normal = normalize(textureLoad(view_normal, inside, 0).xyz);
+        receivers[r].plane = plane_normal(inside, receivers[r].normal);
     }
     let own = subset(image, subsets, min(lights.count, arrayLength(&lights.lights)));
     let part_end = min(own.count, settings.end);
@@ -171,9 +175,13 @@ fn gather(
                 let at = receivers[r].at;
                 let normal = receivers[r].normal;
                 var terms = geometry(light, at, normal);
+#if VIEW_GEOMETRIC
+                // No light arrives from behind the plane, even where a bent normal faces it.
+                terms *= select(0.0, 1.0, dot(receivers[r].plane, light.position - at) > 0.0);
+#endif
 #if VISIBILITY
                 if terms.x > 0.0 {
-                    terms *= visibility(own.first + (begin + i) * own.stride, light, at, normal);
+                    terms *= visibility(own.first + (begin + i) * own.stride, light, at, receivers[r].plane);
                 }
 #endif
                 receivers[r].sum += vec4(light.flux * terms.x, flux_luminance * terms.y);

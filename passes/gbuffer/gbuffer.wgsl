@@ -7,9 +7,11 @@
 #option NORMALS half one_of [half, full] // The format of normals. half: 8 bytes, to a thousandth. full: 16 bytes, to ten
     // millionths; a glossy scene is drawn once more.
 #option GLOSSY false // whether the G-buffer has the member `specular`
+#option NORMAL_MAPPED false // whether the G-buffer has the member `geometric`
 #option EMISSIVE false // whether the G-buffer has the member `emission`
 
 #import "camera.wgsl"
+#import "octahedron.wgsl"
 #import "surface.wgsl"
 #if MOTION
 #import "fullscreen.wgsl"
@@ -30,7 +32,12 @@ struct Texel {
     @location(0) view_depth: f32,
     @location(1) view_normal: vec4<f32>,
     @location(2) view_albedo: vec4<f32>,
-#if GLOSSY && NORMALS == half
+#if NORMAL_MAPPED
+    @location(3) view_geometric: vec2<f32>,
+#endif
+#if GLOSSY && NORMALS == half && NORMAL_MAPPED
+    @location(4) view_specular: vec4<f32>,
+#elif GLOSSY && NORMALS == half
     @location(3) view_specular: vec4<f32>,
 #endif
 }
@@ -48,22 +55,23 @@ fn geometry(seen: Seen) -> Texel {
     if !surface_exists(seen.material, at.coverage) {
         discard;
     }
-    // The cross product of one pixel down and one pixel right points to the camera, whatever the surface; but not where the
-    // next pixel is beyond the plane's horizon, as in frames of few pixels.
-    let towards = facing(cross(change.position_y, change.position_x), -seen.offset);
+    let normals = normals_of(seen, change);
     var texel: Texel;
-    texel.view_depth = depth_at_centre(seen, change, towards);
-    texel.view_normal = vec4(shading_normal(seen.material, seen.normal, towards, seen.uv, change), 0.0);
-    texel.view_albedo = vec4(at.albedo, 1.0);
+    texel.view_depth = depth_at_centre(seen, change, normals.towards);
+    texel.view_normal = vec4(normals.shading, 0.0);
+    texel.view_albedo = vec4(normals.reflects * at.albedo, 1.0);
+#if NORMAL_MAPPED
+    texel.view_geometric = octahedron_from_direction(normals.unbent);
+#endif
 #if GLOSSY && NORMALS == half
-    texel.view_specular = vec4(at.specular, at.roughness);
+    texel.view_specular = vec4(normals.reflects * at.specular, at.roughness);
 #endif
     return texel;
 }
 
 #if GLOSSY && NORMALS == full
 /// Rendered in a draw of its own: WebGPU guarantees 32 bytes per pixel for the targets of one draw, and those of
-/// `geometry` take 28 with normals of 16.
+/// `geometry` take up to 32 with normals of 16.
 @fragment
 fn view_specular(seen: Seen) -> @location(0) vec4<f32> {
     let change = change_of(seen);
@@ -71,12 +79,12 @@ fn view_specular(seen: Seen) -> @location(0) vec4<f32> {
     if !surface_exists(seen.material, at.coverage) {
         discard;
     }
-    return vec4(at.specular, at.roughness);
+    return vec4(normals_of(seen, change).reflects * at.specular, at.roughness);
 }
 #endif
 
 #if EMISSIVE
-/// Rendered in a draw of its own, for the same reason: the targets of `geometry` take up to 28 bytes per pixel.
+/// Rendered in a draw of its own, for the same reason: the targets of `geometry` take up to 32 bytes per pixel.
 @fragment
 fn view_emission(seen: Seen) -> @location(0) vec4<f32> {
     let change = change_of(seen);
@@ -120,6 +128,26 @@ fn depth_at_centre(seen: Seen, change: Change, normal: vec3<f32>) -> f32 {
     // The coarsest grid that Vulkan allows is a sixteenth of a pixel. A plane seen on edge has no depth of its own.
     let most = (abs(dot(change.position_x, backward)) + abs(dot(change.position_y, backward))) / 16.0;
     return depth + select(0.0, correction, abs(correction) <= most);
+}
+
+struct Normals {
+    /// Of the triangle, on the camera's side, of any length.
+    towards: vec3<f32>,
+    /// Interpolated, unit.
+    unbent: vec3<f32>,
+    /// Unit.
+    shading: vec3<f32>,
+    /// 0 where the shading normal turns away: the surface reflects nothing to the camera.
+    reflects: f32,
+}
+
+fn normals_of(seen: Seen, change: Change) -> Normals {
+    // The cross product of one pixel down and one pixel right points to the camera, whatever the surface; but not where the
+    // next pixel is beyond the plane's horizon, as in frames of few pixels.
+    let towards = facing(cross(change.position_y, change.position_x), -seen.offset);
+    let unbent = smooth_normal(seen.normal, towards);
+    let shading = shading_normal(seen.material, unbent, seen.uv, change);
+    return Normals(towards, unbent, shading, select(0.0, 1.0, dot(shading, seen.offset) < 0.0));
 }
 
 fn change_of(seen: Seen) -> Change {

@@ -95,7 +95,8 @@ fn compare_with_view(
 /// Eq. 4.1 of what the light sends into the texel: f_d and f_s of Eq. 5.1-5.2, weighted.
 fn reflected(texel: vec3<u32>) -> f32 {
     let beam = texel_beam(texel, textureDimensions(rsm_position)).flux;
-    var sum = settings.diffuse_weight * greatest_of(textureLoad(rsm_albedo, texel.xy, texel.z, 0).rgb * beam);
+    let albedo = textureLoad(rsm_albedo, texel.xy, texel.z, 0);
+    var sum = settings.diffuse_weight * greatest_of(albedo.rgb * albedo.a * beam);
 #if RSM_SPECULAR
     let specular = textureLoad(rsm_specular, texel.xy, texel.z, 0);
     // DEVIATION(specular-exponent): smoothness, which is at most 1, in place of the exponent of Blinn's model.

@@ -200,7 +200,7 @@ fn path(pixel: vec2<u32>, index: u32, pixel_seed: u32) -> Sample {
         throughput *= scattered.weight;
         // With cosine-distributed directions, the mean of π times the arriving radiance is the irradiance.
         arriving = select(arriving * scattered.weight, vec3(PI * scattered.cosine_share), bounce == 0u);
-        origin = offset_origin(vertex.position, facing(vertex.geometric, scattered.direction));
+        origin = offset_origin(vertex.position, vertex.geometric);
         hit = trace(origin, scattered.direction, 0.0, FAR);
         if hit.triangle == NO_HIT {
             break;

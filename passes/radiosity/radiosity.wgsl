@@ -103,7 +103,11 @@ fn arriving_along(point: SurfacePoint, path: u32) -> vec3<f32> {
         }
         let square = sobol2_of(path, hash2(point.seed, segment));
         let direction = frame_from_normal(vertex.normal) * by_cosine(square);
-        let hit = trace(offset_origin(vertex.position, facing(vertex.geometric, direction)), direction, 0.0, FAR);
+        // Light arrives from the side of the surface, not of a bent normal alone.
+        if dot(vertex.geometric, direction) <= 0.0 {
+            break;
+        }
+        let hit = trace(offset_origin(vertex.position, vertex.geometric), direction, 0.0, FAR);
         if hit.triangle == NO_HIT {
             break;
         }

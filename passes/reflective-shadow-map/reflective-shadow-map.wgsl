@@ -59,8 +59,9 @@ fn surfaces(seen: Seen) -> Texel {
     let parallel = scene_light_layers[settings.layer].kind == LIGHT_DIRECTIONAL;
     let travels = select(offset, -world_from_layer[2].xyz, parallel);
     let towards = facing(cross(change.position_y, change.position_x), -travels);
-    let normal = shading_normal(seen.material, seen.normal, towards, seen.uv, change);
-    return Texel(vec4(seen.position, along), vec4(normal, 0.0), vec4(at.albedo, 1.0));
+    let normal = smooth_normal(seen.normal, towards);
+    let share = bent_share(shading_normal(seen.material, normal, seen.uv, change), normal, -normalize(travels));
+    return Texel(vec4(seen.position, along), vec4(normal, 0.0), vec4(at.albedo, share));
 }
 
 #if GLOSSY
@@ -80,8 +81,8 @@ fn change_of(seen: Seen) -> Change {
     return Change(dpdx(seen.position), dpdy(seen.position), dpdx(seen.uv), dpdy(seen.uv));
 }
 
-/// Computes the flux [W] that the surface in each texel reflects: albedo × the flux that the light sends into the texel; in alpha
-/// the area of that surface [m²].
+/// Computes the flux [W] that the surface in each texel reflects: albedo × the flux that the light sends into the texel × what a
+/// normal map leaves of it; in alpha the area of that surface [m²].
 @compute @workgroup_size(8, 8)
 fn flux(@builtin(global_invocation_id) id: vec3<u32>) {
     if any(id.xy >= textureDimensions(rsm_position)) {
@@ -93,7 +94,8 @@ fn flux(@builtin(global_invocation_id) id: vec3<u32>) {
         // DEVIATION(flux): by the texel's solid angle.
         let beam = texel_beam(id, textureDimensions(rsm_position));
         let normal = textureLoad(rsm_normal, id.xy, id.z, 0).xyz;
-        reflected = vec4(textureLoad(rsm_albedo, id.xy, id.z, 0).rgb * beam.flux, surface_area(beam, position, normal));
+        let albedo = textureLoad(rsm_albedo, id.xy, id.z, 0);
+        reflected = vec4(albedo.rgb * beam.flux * albedo.a, surface_area(beam, position, normal));
     }
     textureStore(rsm_flux, id.xy, id.z, reflected);
 }

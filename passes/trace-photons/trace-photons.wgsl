@@ -158,7 +158,8 @@ fn deposit(path: u32, paths: u32) {
 #if ALBEDO == mean
         flux *= mean_albedo(scene_vertices[scene_indices[3u * hit.triangle]].material);
 #else
-        flux *= path_vertex(hit, direction).surface.albedo;
+        let vertex = path_vertex(hit, direction);
+        flux *= vertex.surface.albedo * bent_share(vertex.normal, vertex.geometric, -direction);
 #endif
         lights.lights[place] = light_at(point, flux);
         let square = sobol2_of(path, hash2(settings.seed, bounce + 1u));

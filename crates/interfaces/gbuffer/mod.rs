@@ -17,7 +17,16 @@ pub const INTERFACE: Interface = Interface::new(
             Content::Texture(Format::Rgba16Float),
             "shading normal in world space, unit, on the side of the camera",
         ),
-        Member::required("albedo", Content::Texture(Format::Rgba16Float), "diffuse reflectance"),
+        Member::required(
+            "albedo",
+            Content::Texture(Format::Rgba16Float),
+            "diffuse reflectance; 0 where the shading normal turns away from the camera",
+        ),
+        Member::optional(
+            "geometric",
+            Content::Texture(Format::Rg16Float),
+            "interpolated normal, which normal maps do not bend, as octahedron.wgsl encodes it; where a scene has them",
+        ),
         Member::optional(
             "specular",
             Content::Texture(Format::Rgba16Float),

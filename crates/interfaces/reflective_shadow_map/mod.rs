@@ -15,14 +15,18 @@ pub const INTERFACE: Interface = Interface::new(
         Member::required(
             "normal",
             Content::Texture(Format::Rgba16Float),
-            "array: shading normal in world space, unit, on the side of the light",
+            "array: interpolated normal in world space, unit, on the side of the light; normal maps do not bend it",
         ),
         Member::required(
             "flux",
             Content::Texture(Format::Rgba32Float),
             "array: flux reflected by the texel's part of the surface [W]; in alpha the area of that part [m²]",
         ),
-        Member::optional("albedo", Content::Texture(Format::Rgba16Float), "array: diffuse reflectance"),
+        Member::optional(
+            "albedo",
+            Content::Texture(Format::Rgba16Float),
+            "array: diffuse reflectance; in alpha, the flux that is reflected under a normal map, over that without",
+        ),
         Member::optional(
             "specular",
             Content::Texture(Format::Rgba16Float),

@@ -36,11 +36,12 @@ pub fn of_global(name: &str) -> Option<SceneBindings> {
 
 /// The names of the traits of a scene: [`RecordContext::traits`](crate::RecordContext) has each of them. An
 /// `#option` of a user's shader that has such a name, in capitals, is set by the scene.
-pub const TRAITS: [&str; 14] = [
+pub const TRAITS: [&str; 15] = [
     "textured",
     "glossy",
     "emissive",
     "masked",
+    "normal_mapped",
     "environment",
     "moving_camera",
     "moving_lights",

@@ -292,7 +292,7 @@ impl Scene {
 
     /// Returns the traits of the scene, for the switches of a pipeline. Booleans are `textured`, `glossy`,
     /// `emissive`,
-    /// `masked` (of the materials that triangles have), `environment`, `moving_camera`, `moving_lights`,
+    /// `masked`, `normal_mapped` (of the materials that triangles have), `environment`, `moving_camera`, `moving_lights`,
     /// `moving_geometry`; integers `lights`, `spot_lights`, `point_lights`, `directional_lights`, `light_layers`
     /// (the sum of [`Light::layers`]), `triangles`.
     pub fn traits(&self) -> Traits {
@@ -315,6 +315,7 @@ impl Scene {
                 ("glossy", any(Material::is_glossy)),
                 ("emissive", any(Material::is_emissive)),
                 ("masked", any(|m| m.alpha_cutoff.is_some())),
+                ("normal_mapped", any(|m| m.normal_texture.is_some())),
                 ("environment", Value::Bool(false)),
                 ("moving_camera", Value::Bool(self.motion.moves(&self.motion.camera))),
                 ("moving_lights", Value::Bool(self.motion.lights.iter().any(|l| self.motion.moves(l)))),

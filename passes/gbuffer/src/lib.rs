@@ -32,9 +32,10 @@ fn record(cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
     };
     let has = |member| cx.has_member("view", member);
     let (specular, full) = (has("specular"), has_full_normals(cx.settings)?);
-    let members = ["depth", "normal", "albedo", "specular"];
-    let of_geometry = if specular && !full { &members[..] } else { &members[..3] };
-    let mut draws = vec![draw("geometry", of_geometry)];
+    let mut of_geometry = vec!["depth", "normal", "albedo"];
+    of_geometry.extend(has("geometric").then_some("geometric"));
+    of_geometry.extend((specular && !full).then_some("specular"));
+    let mut draws = vec![draw("geometry", &of_geometry)];
     if specular && full {
         draws.push(draw("view_specular", &["specular"]));
     }

@@ -61,6 +61,39 @@ fn a_patch_under_a_spot() {
     assert!(pixels(&outputs, "indirect").iter().all(|pixel| pixel[..3] == [0.0; 3]));
 }
 
+/// A normal map lights by the cosine of the bent normal; no light arrives from behind the surface, whatever the normal, and none
+/// is reflected to where the bent normal turns away (as Mitsuba's `normalmap` has it).
+#[test]
+fn a_normal_map_lights_and_hides() {
+    for angle in [0.0, 30.0, 75.0] {
+        let (mut scene, bent) = rooms::bent_plane(angle);
+        for (travels, eye) in [
+            ([0.0, -1.0, 0.0], [0.0, 0.5, 0.0]),
+            ([0.0, -1.0, 0.0], [-0.5, 0.2, 0.0]),
+            ([0.0, -1.0, 0.0], [0.5, 0.2, 0.0]),
+            ([-0.6, -0.8, 0.0], [0.0, 0.5, 0.1]),
+            ([0.6, -0.8, 0.0], [0.0, 0.5, 0.1]),
+            // From below, where a normal that is bent by 75° still faces it.
+            ([-0.8, 0.6, 0.0], [0.0, 0.5, 0.1]),
+        ] {
+            let direction = glam::Vec3::from(travels);
+            let kind = scene::LightKind::Directional;
+            scene.lights[0] =
+                scene::Light { kind, direction, intensity: glam::Vec3::ONE, ..scene.lights[0].clone() };
+            let camera = rooms::camera_at(eye, [0.0; 3], 1e-3);
+            let harness =
+                Harness::new(path_tracer::PASS).with_scene(scene.clone()).camera(camera).frame(4, 4);
+            let Some(outputs) = harness.set("samples_per_frame", 1u32).run() else { return };
+            let sees = bent.dot(glam::Vec3::from(eye).as_dvec3()) > 0.0 && direction.y < 0.0;
+            let lit = if sees { bent.dot(-direction.as_dvec3()).max(0.0) } else { 0.0 };
+            for pixel in pixels(&outputs, "direct") {
+                let radiance = f64::from(pixel[0]) * PI / 0.5;
+                assert!((radiance - lit).abs() < 1e-4, "{angle}° {travels:?} {eye:?}: {radiance} for {lit}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_screen_shades() {
     let run = |height: f32| {

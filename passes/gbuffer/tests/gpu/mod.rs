@@ -52,6 +52,28 @@ fn run(scene: &Scene) -> Option<Seen> {
     Some(Seen { depth, normal: outputs.read("view.normal"), albedo: outputs.read("view.albedo") })
 }
 
+#[test]
+fn a_normal_map_bends_the_normal_for_shading_alone() {
+    for angle in [30.0, 75.0] {
+        let (mut scene, bent) = pass_test::rooms::bent_plane(angle);
+        // From the side away from which the normal is bent: by 75° it turns away from the camera.
+        scene.camera = pass_test::rooms::camera_at([-0.5, 0.4, 0.0], [0.0; 3], 0.02);
+        let harness = Harness::new(gbuffer::PASS).with_scene(scene).frame(WIDTH, HEIGHT);
+        let Some(outputs) = harness.run() else { return };
+        let halves = |name: &str| outputs.read::<f16>(name).into_iter().map(f64::from).collect::<Vec<_>>();
+        let (normal, albedo) = (halves("view.normal"), halves("view.albedo"));
+        for (normal, albedo) in normal.chunks_exact(4).zip(albedo.chunks_exact(4)) {
+            assert!(DVec3::from_slice(normal).abs_diff_eq(bent, 2e-3), "{normal:?} for {bent}");
+            let seen = if angle < 60.0 { 0.5 } else { 0.0 };
+            assert!((albedo[0] - seen).abs() < 1e-3, "{angle}°: {albedo:?}");
+        }
+        // An octahedron's image of y.
+        for at in halves("view.geometric").chunks_exact(2) {
+            assert!(at[0].abs() < 1e-3 && (at[1] - 1.0).abs() < 1e-3, "{at:?}");
+        }
+    }
+}
+
 /// Flat-shaded, so that the shading normal is the geometric one.
 #[test]
 fn it_sees_what_rays_see() {

@@ -60,6 +60,31 @@ fn a_square_reflects_a_sixth_of_a_point_light() {
     }
 }
 
+/// It is lit by the cosine of the bent normal, and reflects nothing below the horizon of that, which is (1 - cosα) / 2 of what
+/// leaves a Lambertian surface. Its area and its normal stay those of the square.
+#[test]
+fn a_normal_map_changes_the_flux_alone() {
+    for angle in [0.0, 30.0, 75.0] {
+        let (mut scene, bent) = pass_test::rooms::bent_plane(angle);
+        for direction in [vec3(0.0, -1.0, 0.0), vec3(0.6, -0.8, 0.0), vec3(-0.6, -0.8, 0.0)] {
+            scene.lights[0] = Light { kind: LightKind::Directional, direction, ..scene.lights[0].clone() };
+            let Some((map, _)) = run(&scene, 64) else { return };
+            let sum: f64 = map.flux.iter().map(|flux| f64::from(flux.x)).sum();
+            let lit = bent.dot(-direction.as_dvec3()).max(0.0);
+            let expected = 0.5 * 4.0 * lit * 0.5 * (1.0 + bent.y);
+            assert!(
+                (sum - expected).abs() <= 0.02 * expected,
+                "{angle}° {direction}: {sum} W of {expected} W"
+            );
+            let area: f64 = map.flux.iter().map(|flux| f64::from(flux.w)).sum();
+            assert!((area / 4.0 - 1.0).abs() < 0.02, "{area} m² of 4 m²");
+            for (normal, position) in map.normal.iter().zip(&map.position).filter(|(_, at)| at.w > 0.0) {
+                assert!(normal[1].to_f32() > 0.999, "{position}: {normal:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_square_reflects_its_area_of_parallel_light() {
     let mut scene = pass_test::scene("plane");
