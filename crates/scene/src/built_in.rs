@@ -8,6 +8,7 @@ mod cornell;
 mod hall;
 mod nave;
 mod rooms;
+mod screens;
 mod simple;
 
 use crate::model::Model;
@@ -16,7 +17,7 @@ use crate::model::Model;
 type Make = fn() -> Model;
 
 /// Every built-in geometry, by name.
-const BUILT_IN: [(&str, Make); 17] = [
+const BUILT_IN: [(&str, Make); 19] = [
     ("cornell-box", cornell::cornell_box),
     ("cornell-box-lamp", cornell::cornell_box_lamp),
     ("atrium", atrium::atrium),
@@ -29,6 +30,8 @@ const BUILT_IN: [(&str, Make); 17] = [
     ("hall-1m", || hall::hall(32)),
     ("maze", rooms::maze),
     ("corridor", rooms::corridor),
+    ("arcade", screens::arcade),
+    ("blinds", screens::blinds),
     ("cloth", cloth::cloth),
     ("plane", simple::plane),
     ("cube", simple::cube),

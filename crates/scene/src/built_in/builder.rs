@@ -1,6 +1,6 @@
 //! The tools of the generators: quads and surfaces, collected by material.
 
-use glam::{Vec2, Vec3};
+use glam::{Quat, Vec2, Vec3};
 
 use crate::material::Material;
 use crate::model::{Mesh, Model, Node, Primitive};
@@ -31,6 +31,14 @@ impl Builder {
         self.smooth_quad(material, corners, [normal; 4]);
     }
 
+    /// Adds a flat quad whose texture repeats that often along its first and its second edge.
+    pub(super) fn tiled_quad(&mut self, material: MaterialId, corners: [Vec3; 4], repeats: Vec2) {
+        self.quad(material, corners);
+        let uvs = &mut self.primitives[material.0 as usize].uvs;
+        let first = uvs.len() - corners.len();
+        uvs[first..].iter_mut().for_each(|uv| *uv *= repeats);
+    }
+
     /// Adds a quad with a normal at each corner.
     pub(super) fn smooth_quad(&mut self, material: MaterialId, corners: [Vec3; 4], normals: [Vec3; 4]) {
         let uvs = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
@@ -49,9 +57,17 @@ impl Builder {
 
     /// Adds a box with its faces outwards.
     pub(super) fn cuboid(&mut self, material: MaterialId, min: Vec3, max: Vec3) {
-        let corner =
-            |x: usize, y: usize, z: usize| Vec3::new([min.x, max.x][x], [min.y, max.y][y], [min.z, max.z][z]);
-        let c = corner;
+        self.faces(material, |x, y, z| Vec3::new([min.x, max.x][x], [min.y, max.y][y], [min.z, max.z][z]));
+    }
+
+    /// Adds a box with these half sides, turned about its middle.
+    pub(super) fn turned_cuboid(&mut self, material: MaterialId, middle: Vec3, half: Vec3, turn: Quat) {
+        let side = |x: usize, y: usize, z: usize| Vec3::new(x as f32, y as f32, z as f32) * 2.0 - 1.0;
+        self.faces(material, |x, y, z| middle + turn * (side(x, y, z) * half));
+    }
+
+    /// Adds the faces of a box, whose corners are low or high along each axis.
+    fn faces(&mut self, material: MaterialId, c: impl Fn(usize, usize, usize) -> Vec3) {
         self.quad(material, [c(0, 0, 1), c(1, 0, 1), c(1, 1, 1), c(0, 1, 1)]);
         self.quad(material, [c(1, 0, 0), c(0, 0, 0), c(0, 1, 0), c(1, 1, 0)]);
         self.quad(material, [c(1, 0, 1), c(1, 0, 0), c(1, 1, 0), c(1, 1, 1)]);
