@@ -91,7 +91,7 @@ fn more_points_than_the_budget_are_reported() {
         command.args(["render", "tcas", "cornell-box", "-o", "x.exr", "--size", "16x12"]);
         Done::of(command.args(values.map(|value| ["--set", value]).as_flattened())).success()
     };
-    let words = ["shadows/splat.counters: requested ", ", produced 1600"];
+    let words = ["shadows/splat.counters: requested ", ", produced 6400"];
     run("shadows.points_per_map=100").says(&words);
     let done = run("shadows.points_per_map=20000");
     assert!(!done.out.contains("counters"), "all were produced: {done}");

@@ -1,6 +1,6 @@
 #![doc = include_str!("../README.md")]
 
-use interfaces::points::SurfaceSamples;
+use interfaces::points::{self, SurfaceSamples};
 use interfaces::{depth_atlas, virtual_lights};
 use pass::{
     Compute, LARGEST_WINDOW, OutputContext, OutputDesc, Pass, PassTypeError, ReadSettings, RecordContext,
@@ -20,6 +20,9 @@ pub struct Splat {
 /// The most texels of all maps together, since a texel's index is a u32. If an adapter allows less, the
 /// allocation fails with an error.
 const MAX_TEXELS: u64 = u32::MAX as u64;
+
+/// The greatest side of a surfel \[px\] where `max_splat` does not say.
+const LARGEST_SURFEL: f32 = 64.0;
 
 /// Returns the number of points of a map with `per_texel` points for each texel of the hemisphere, which are π/4 of those of its map (ISM
 /// §3.3): at least one.
@@ -54,22 +57,38 @@ impl Pass for Splat {
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let (tile, maps) = (cx.fact("depth", depth_atlas::TILE)?, cx.fact("depth", depth_atlas::COUNT)?);
+        let per_texel = cx.settings.f32("points_per_texel")?;
         let wanted = match cx.settings.u32("points_per_map")? {
-            0 => points_of_map(tile, cx.settings.f32("points_per_texel")?),
+            0 => points_of_map(tile, per_texel),
             given => given,
         };
-        let within_budget = (cx.settings.u32("budget")? / maps.max(1)).max(1);
-        let samples = SurfaceSamples::new(cx, maps, wanted.min(within_budget))?;
+        // Whole splats, within the budget and the points that there are.
+        let most =
+            (cx.settings.u32("budget")? / maps.max(1)).clamp(1, cx.fact("points", points::COUNT)?.max(1));
+        let candidates = cx.settings.u32("candidates")?.min(most);
+        let splats = wanted.min(most / candidates);
+        let samples = SurfaceSamples::new(cx, maps, splats * candidates)?;
+        let side = match cx.settings.f32("max_splat")? {
+            0.0 if cx.settings.text("kernel")? == "box" => {
+                let texels = points_of_map(tile, 1.0) as f32;
+                (4.0 * (texels / splats as f32).sqrt()).max(1.0)
+            }
+            0.0 => LARGEST_SURFEL,
+            given => given,
+        };
         let shader = cx.file("splat.wgsl");
         let mut recording = Recording::default();
         for window in depth_atlas::windows(maps, tile, samples.block(), self.window) {
             let of_maps = samples.of_maps(&window.maps);
+            let of_maps = of_maps.start / candidates..of_maps.end / candidates;
             let dispatch = |entry: &str, global: &str, threads: u32| {
                 samples
                     .fill(Compute::new(shader.clone(), entry, Threads::Row(threads)), "samples")
                     .bind(global, "depth")
                     .window(global, window.bytes.clone())
-                    .value("wanted", wanted.saturating_mul(maps))
+                    .value("wanted", wanted.saturating_mul(maps).saturating_mul(candidates))
+                    .value("candidates", candidates)
+                    .value("side", side)
                     .value("first_map", window.maps.start)
                     .value("first", of_maps.start)
                     .value("end", of_maps.end)

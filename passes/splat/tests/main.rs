@@ -170,6 +170,7 @@ fn the_gpu_agrees_with_the_cpu_reference() {
         let outputs = Harness::new(splat::PASS)
             .scene("plane")
             .set("kernel", "box")
+            .set("candidates", 1)
             .set("map", tile)
             .set("points_per_map", per_map)
             .set("max_splat", max_splat as f32)
@@ -217,6 +218,7 @@ fn maps_that_are_bound_in_parts_are_splatted_as_in_one() {
     let splatted = |window| {
         let outputs = Harness::new(&splat::Splat { window })
             .scene("plane")
+            .set("kernel", "box")
             .set("map", 16)
             .set("points_per_map", 50)
             .input("points", "Points", &[("count", 900)], elements(&points))
@@ -231,30 +233,128 @@ fn maps_that_are_bound_in_parts_are_splatted_as_in_one() {
     assert!(whole == splatted(1).expect("the adapter is still there"), "texels or counters differ");
 }
 
+/// Returns where the ray of a texel of a map of 32² meets the plane y = 0, for a light 1 m above it that looks down.
+fn on_the_floor(texel: usize) -> DVec3 {
+    let (x, y) = (texel as u32 % 32, texel as u32 / 32);
+    let direction = direction_from_paraboloid(texel_centre(uvec2(x, y), 32));
+    DVec3::Y + frame_from_normal(DVec3::NEG_Y) * direction / direction.z
+}
+
+/// Splats points of the scene `plane`, (x, z) and the triangle that each says, into a map of 32²; the distances.
+fn surfels(scene: scene::Scene, points: &[([f32; 2], u32)]) -> Option<Vec<f64>> {
+    let stored: Vec<[u32; 8]> = points
+        .iter()
+        .map(|([x, z], triangle)| [x.to_bits(), 0, z.to_bits(), *triangle, 0, 1f32.to_bits(), 0, 0])
+        .collect();
+    let outputs = Harness::new(splat::PASS)
+        .with_scene(scene)
+        .set("map", 32)
+        .set("candidates", 1)
+        .set("points_per_map", points.len() as u32)
+        .input("points", "Points", &[("count", points.len() as u32)], elements(&stored))
+        .module(STORED)
+        .lights(&[light_at(DVec3::Y, DVec3::NEG_Y)])
+        .run()?;
+    Some(outputs.read::<u32>("depth").into_iter().map(|bits| f64::from(f32::from_bits(bits))).collect())
+}
+
 #[test]
 fn surfels_store_the_distance_of_their_plane() {
-    // The plane z = 1 as one large splat: at each texel the distance along its ray, 1 / cos.
-    let points = [[0.3f32, 0.1, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]];
-    let light = light_at(DVec3::ZERO, DVec3::Z);
-    let outputs = Harness::new(splat::PASS)
-        .scene("plane")
-        .set("map", 32)
-        .set("kernel", "surfel")
-        .set("max_splat", 11.0)
-        .input("points", "Points", &[("count", 1)], elements(&points))
-        .module(STORED)
-        .lights(&[light])
-        .run();
-    let Some(outputs) = outputs else { return };
-    let depth: Vec<u32> = outputs.read("depth");
-    let mut covered = 0;
-    for (i, bits) in depth.into_iter().enumerate().filter(|(_, bits)| *bits != f32::INFINITY.to_bits()) {
-        let direction = direction_from_paraboloid(texel_centre(uvec2(i as u32 % 32, i as u32 / 32), 32));
-        let wanted = 1.0 / direction.z;
-        assert!((f64::from(f32::from_bits(bits)) - wanted).abs() < 1e-5 * wanted, "texel {i}");
-        covered += 1;
+    // One point for 4 m²: a disc of radius 1 m, as its triangle has only 2 m².
+    let Some(depth) = surfels(pass_test::scene("plane"), &[([0.3, 0.1], 0)]) else { return };
+    for (i, depth) in depth.into_iter().enumerate() {
+        let at = on_the_floor(i);
+        let off = at.distance(dvec3(0.3, 0.0, 0.1));
+        let is_front = at.y.abs() < 1e-9 && at.is_finite();
+        if is_front && off < 0.99 {
+            let wanted = at.distance(DVec3::Y);
+            assert!((depth - wanted).abs() < 1e-5 * wanted, "texel {i}: {depth} for {wanted}");
+        } else if off > 1.01 {
+            assert!(depth.is_infinite(), "texel {i}, {off} m off, has {depth}");
+        }
     }
-    assert!(covered >= 100, "{covered} texels are covered");
+}
+
+/// Returns 64 points in the middles of the cells of a grid over the scene `plane`, with their triangles.
+fn grid() -> Vec<([f32; 2], u32)> {
+    let scene = pass_test::scene("plane");
+    let corner = |i: usize| glam::Vec3::from(scene.vertices[scene.indices[i] as usize].position);
+    let inside = |at: glam::Vec3, triangle: usize| {
+        let sides = [0, 1, 2].map(|i| {
+            let (a, b) = (corner(3 * triangle + i), corner(3 * triangle + (i + 1) % 3));
+            (b - a).cross(at - a).y
+        });
+        sides.iter().all(|side| *side >= 0.0)
+    };
+    let middle = |i: usize| (i as f32 + 0.5) / 4.0 - 1.0;
+    let places = (0..64).map(|i| [middle(i % 8), middle(i / 8)]);
+    places.map(|[x, z]| ([x, z], u32::from(!inside(glam::vec3(x, 0.0, z), 0)))).collect()
+}
+
+/// A surfel overlaps its neighbours, so none of the surface is lost; but none reaches beyond its triangle.
+#[test]
+fn surfels_end_with_their_triangles() {
+    let Some(depth) = surfels(pass_test::scene("plane"), &grid()) else { return };
+    let mut covered = 0;
+    for (i, depth) in depth.into_iter().enumerate() {
+        let at = on_the_floor(i);
+        let (side, wanted) = (at.x.abs().max(at.z.abs()), at.distance(DVec3::Y));
+        if side < 0.999
+            && direction_from_paraboloid(texel_centre(uvec2(i as u32 % 32, i as u32 / 32), 32)).z > 0.0
+        {
+            assert!((depth - wanted).abs() < 1e-5 * wanted, "texel {i} at {at}: {depth} for {wanted}");
+            covered += 1;
+        } else {
+            assert!(depth.is_infinite() || side < 1.001, "texel {i} at {at} has {depth}");
+        }
+    }
+    assert!(covered > 150, "{covered} texels see the square");
+}
+
+#[test]
+fn surfels_are_cut_out_as_their_triangles_are() {
+    let Some(depth) = surfels(pass_test::rooms::half_plane(), &grid()) else { return };
+    for (i, depth) in depth.into_iter().enumerate() {
+        let at = on_the_floor(i);
+        if at.x < -0.1 {
+            assert!(depth.is_infinite(), "texel {i} at {at} has {depth}");
+        } else if at.x > 0.1 && at.x.max(at.z.abs()) < 0.99 && at.y.abs() < 1e-9 {
+            assert!(depth.is_finite(), "texel {i} at {at} is empty");
+        }
+    }
+}
+
+/// Half of the points are behind the light: of two candidates, a splat takes the one before it.
+#[test]
+fn candidates_are_taken_by_the_solid_angle_they_cover() {
+    let cloud: Vec<[f32; 8]> = sphere(800)
+        .enumerate()
+        .map(|(i, n)| (n * (0.5 + 1.5 * (i as f64 * 0.618).fract()), n))
+        .map(|(p, n)| [p.x, p.y, p.z, 0.0, n.x, n.y, n.z, 0.0].map(|x| x as f32))
+        .collect();
+    let covered = |candidates: u32| {
+        let outputs = Harness::new(splat::PASS)
+            .scene("plane")
+            .set("kernel", "box")
+            .set("map", 64)
+            .set("max_splat", 1.0)
+            .set("candidates", candidates)
+            .set("points_per_map", 200)
+            .input("points", "Points", &[("count", 800)], elements(&cloud))
+            .module(STORED)
+            .lights(&[light_at(DVec3::ZERO, DVec3::X)])
+            .run()?;
+        let points = outputs.read::<u32>("counters")[1];
+        assert_eq!(points, 200 * candidates);
+        let depth: Vec<f64> =
+            outputs.read::<u32>("depth").into_iter().map(|bits| f64::from(f32::from_bits(bits))).collect();
+        let depth: Vec<f64> = depth.into_iter().filter(|depth| depth.is_finite()).collect();
+        Some((depth.len(), depth.iter().sum::<f64>() / depth.len() as f64))
+    };
+    let (Some(one), Some(four)) = (covered(1), covered(4)) else { return };
+    // Of 200 points 100 are before the light; of 200 splats of four candidates, but for 1 in 16.
+    assert!((85..=115).contains(&one.0) && (165..=200).contains(&four.0), "{one:?} {four:?}");
+    assert!(four.1 < 0.8 * one.1, "splats are nearer: {one:?} {four:?}");
 }
 
 /// Points that triangles ask for: 10 over the scene `plane`, whose second triangle has three quarters of them.
@@ -272,6 +372,7 @@ fn what_is_made_of_what_is_asked_for_is_told() {
         let outputs = Harness::new(splat::PASS)
             .scene("plane")
             .set("map", 8)
+            .set("candidates", 1)
             .set("points_per_map", per_map)
             .set("budget", budget)
             .input("points", "Points", &[("count", u32::MAX)], elements(&ten_points()))
