@@ -73,14 +73,10 @@ fn sample_emitter(place: vec2<u32>) -> EmitterPoint {
     point.position = edges.corner + edges.a * barycentrics.x + edges.b * barycentrics.y;
     point.normal = shape.xyz;
     point.density = density_of_emitter(emitter, shape.w);
-    let first = scene_vertices[scene_indices[3u * triangle]];
-    let uv_b = scene_vertices[scene_indices[3u * triangle + 1u]].uv;
-    let uv_c = scene_vertices[scene_indices[3u * triangle + 2u]].uv;
-    let uv = first.uv + (uv_b - first.uv) * barycentrics.x + (uv_c - first.uv) * barycentrics.y;
-    let at = surface(first.material, uv, vec2(0.0), vec2(0.0));
+    let at = surface_on_triangle(triangle, barycentrics);
     point.radiance = at.emission;
 #if MASKED
-    if !surface_exists(first.material, at.coverage) {
+    if !surface_exists(scene_vertices[scene_indices[3u * triangle]].material, at.coverage) {
         point.radiance = vec3(0.0);
     }
 #endif

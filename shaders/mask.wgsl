@@ -11,12 +11,9 @@
 /// Whether the surface of a triangle is there at a point, by the weights of its second and third vertex.
 fn triangle_exists(index: u32, barycentrics: vec2<f32>) -> bool {
 #if MASKED
-    let first = scene_vertices[scene_indices[3u * index]];
-    if scene_materials[first.material].alpha_cutoff > 0.0 {
-        let uv1 = scene_vertices[scene_indices[3u * index + 1u]].uv;
-        let uv2 = scene_vertices[scene_indices[3u * index + 2u]].uv;
-        let uv = first.uv + (uv1 - first.uv) * barycentrics.x + (uv2 - first.uv) * barycentrics.y;
-        return surface_exists(first.material, surface(first.material, uv, vec2(0.0), vec2(0.0)).coverage);
+    let material = scene_vertices[scene_indices[3u * index]].material;
+    if scene_materials[material].alpha_cutoff > 0.0 {
+        return surface_exists(material, surface_on_triangle(index, barycentrics).coverage);
     }
 #endif
     return true;

@@ -17,8 +17,9 @@ struct ParaboloidLookup {
     bias: f32,
 }
 
-/// The lookup for a receiver at `at` [m] in a plane with the unit `normal`, in a map with `tile` texels along a side. `depth_bias` and
-/// `slope_bias` are in widths of a texel at the receiver; the second is multiplied by the slope of the receiver's plane.
+/// The lookup for a receiver at `at` [m] in a plane with the unit `normal`, in a map with `tile` texels along a side.
+/// `depth_bias` and `slope_bias` are in widths of a texel at the receiver; the second is multiplied by the slope of the
+/// receiver's plane.
 fn paraboloid_lookup(
     light: VirtualLight,
     at: vec3<f32>,

@@ -14,8 +14,8 @@ struct SurfaceAround {
     depth: f32,
     /// For shading; world space, unit.
     normal: vec3<f32>,
-    /// Height of the centre's ray above the plane through the camera that is parallel to the surface, per depth, and how it changes from
-    /// a pixel to the next on the right and below: rays change linearly over the image.
+    /// Height of the centre's ray above the plane through the camera that is parallel to the surface, per depth, and how it
+    /// changes from a pixel to the next on the right and below: rays change linearly over the image.
     slope: vec3<f32>,
 }
 

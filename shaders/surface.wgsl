@@ -80,6 +80,15 @@ fn surface(index: u32, uv: vec2<f32>, uv_x: vec2<f32>, uv_y: vec2<f32>) -> Surfa
     return Surface(base.rgb * (1.0 - metallic), base.a, specular, roughness, emission);
 }
 
+/// The surface at a point of a triangle, by the weights of its second and third vertex, at the finest level of textures.
+fn surface_on_triangle(index: u32, barycentrics: vec2<f32>) -> Surface {
+    let first = scene_vertices[scene_indices[3u * index]];
+    let uv1 = scene_vertices[scene_indices[3u * index + 1u]].uv;
+    let uv2 = scene_vertices[scene_indices[3u * index + 2u]].uv;
+    let uv = first.uv + (uv1 - first.uv) * barycentrics.x + (uv2 - first.uv) * barycentrics.y;
+    return surface(first.material, uv, vec2(0.0), vec2(0.0));
+}
+
 /// Whether the surface is there: alpha is not below the material's cutoff.
 fn surface_exists(index: u32, coverage: f32) -> bool {
     return coverage >= scene_materials[index].alpha_cutoff;

@@ -1,7 +1,5 @@
 // The plane of what a pixel sees. Its normal is not the one that a normal map bends, which lights the surface: shadow tests,
 // the origins of rays and distances from the surface take the plane's.
-//
-// A file that imports this one declares `var view_normal: texture_2d<f32>`.
 
 #option VIEW_GEOMETRIC false // whether the G-buffer has the member `geometric`
 

@@ -12,7 +12,7 @@
 
 #import "camera.wgsl"
 #import "octahedron.wgsl"
-#import "surface.wgsl"
+#import "surface-fragment.wgsl"
 #if MOTION
 #import "fullscreen.wgsl"
 
@@ -51,10 +51,7 @@ fn project(vertex: Attributes) -> Seen {
 @fragment
 fn geometry(seen: Seen) -> Texel {
     let change = change_of(seen);
-    let at = surface(seen.material, seen.uv, change.uv_x, change.uv_y);
-    if !surface_exists(seen.material, at.coverage) {
-        discard;
-    }
+    let at = fragment_surface(seen.material, seen.uv, change);
     let normals = normals_of(seen, change);
     var texel: Texel;
     texel.view_depth = depth_at_centre(seen, change, normals.towards);
@@ -75,10 +72,7 @@ fn geometry(seen: Seen) -> Texel {
 @fragment
 fn view_specular(seen: Seen) -> @location(0) vec4<f32> {
     let change = change_of(seen);
-    let at = surface(seen.material, seen.uv, change.uv_x, change.uv_y);
-    if !surface_exists(seen.material, at.coverage) {
-        discard;
-    }
+    let at = fragment_surface(seen.material, seen.uv, change);
     return vec4(normals_of(seen, change).reflects * at.specular, at.roughness);
 }
 #endif
@@ -88,10 +82,7 @@ fn view_specular(seen: Seen) -> @location(0) vec4<f32> {
 @fragment
 fn view_emission(seen: Seen) -> @location(0) vec4<f32> {
     let change = change_of(seen);
-    let at = surface(seen.material, seen.uv, change.uv_x, change.uv_y);
-    if !surface_exists(seen.material, at.coverage) {
-        discard;
-    }
+    let at = fragment_surface(seen.material, seen.uv, change);
     return vec4(at.emission, 1.0);
 }
 #endif

@@ -7,7 +7,7 @@
 
 #import "beam.wgsl"
 #import "lights.wgsl"
-#import "surface.wgsl"
+#import "surface-fragment.wgsl"
 
 struct Settings {
     /// Side of a layer. Larger: sharper shadows and more positions for virtual lights; time and memory grow with its square.
@@ -47,10 +47,7 @@ fn project(vertex: Attributes) -> Seen {
 @fragment
 fn surfaces(seen: Seen) -> Texel {
     let change = change_of(seen);
-    let at = surface(seen.material, seen.uv, change.uv_x, change.uv_y);
-    if !surface_exists(seen.material, at.coverage) {
-        discard;
-    }
+    let at = fragment_surface(seen.material, seen.uv, change);
     let world_from_layer = scene_light_layers[settings.layer].world_from_layer;
     let offset = seen.position - world_from_layer[3].xyz;
     let along = -dot(offset, world_from_layer[2].xyz);
@@ -69,10 +66,7 @@ fn surfaces(seen: Seen) -> Texel {
 @fragment
 fn rsm_specular(seen: Seen) -> @location(0) vec4<f32> {
     let change = change_of(seen);
-    let at = surface(seen.material, seen.uv, change.uv_x, change.uv_y);
-    if !surface_exists(seen.material, at.coverage) {
-        discard;
-    }
+    let at = fragment_surface(seen.material, seen.uv, change);
     return vec4(at.specular, at.roughness);
 }
 #endif

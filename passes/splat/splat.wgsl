@@ -98,8 +98,8 @@ fn clear(row: Row) {
     }
 }
 
-/// The share of the area of the hemisphere's texels that a surfel's disc has whose triangle is smaller than the surface for which
-/// it stands: what surfels overlap thickens shadows.
+/// Radius of the disc of a surfel whose triangle is smaller than the surface that the point stands for, over the square root of that
+/// surface's area: beyond the triangle it thickens shadows.
 const SMALL_RADIUS: f32 = 0.5;
 /// The same of a surfel that ends with its triangle: where it overlaps others, it stores what they store.
 const LARGE_RADIUS: f32 = 1.2;
@@ -112,13 +112,16 @@ struct Splat {
     local: vec3<f32>,
 }
 
-/// Returns the splat of an index among those of all maps: one of as many points of its map as there are candidates.
-/// (Talbot et al. 2005)
-fn chosen(index: u32, light: VirtualLight, frame: mat3x3<f32>) -> Splat {
-    // Points of a map that are that far apart in its order are far apart in the scene.
-    let stride = settings.samples.per_map / settings.candidates;
+/// The splats of a map. Points of a map that are this far apart in its order are far apart in the scene.
+fn splats_of_map() -> u32 {
+    return settings.samples.per_map / settings.candidates;
+}
+
+/// Returns the splat of an index among those of all maps, in a block of maps: one of as many points of its map as there are
+/// candidates. (Talbot et al. 2005)
+fn chosen(index: u32, block: u32, light: VirtualLight, frame: mat3x3<f32>) -> Splat {
+    let stride = splats_of_map();
     let bits = settings.samples.block_bits;
-    let block = (index >> bits) / stride;
     let first = index + (block * (settings.samples.per_map - stride) << bits);
     var splat: Splat;
     var sum = 0.0;
@@ -153,15 +156,15 @@ fn splat(row: Row) {
         return;
     }
     let bits = settings.samples.block_bits;
-    let block = (index >> bits) / (settings.samples.per_map / settings.candidates);
+    let block = (index >> bits) / splats_of_map();
     let map = (block << bits) + (index & ((1u << bits) - 1u));
-    // No light is looked up whose map has no light.
+    // The map of a dark light is never looked up.
     if map >= min(lights.count, settings.samples.maps) || all(lights.lights[map].flux == vec3(0.0)) {
         return;
     }
     let light = lights.lights[map];
     let frame = frame_from_normal(light.normal);
-    let splat = chosen(index, light, frame);
+    let splat = chosen(index, block, light, frame);
     let area = splat.point.area;
     if area <= 0.0 {
         return;

@@ -57,9 +57,8 @@ impl Pass for Splat {
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let (tile, maps) = (cx.fact("depth", depth_atlas::TILE)?, cx.fact("depth", depth_atlas::COUNT)?);
-        let per_texel = cx.settings.f32("points_per_texel")?;
         let wanted = match cx.settings.u32("points_per_map")? {
-            0 => points_of_map(tile, per_texel),
+            0 => points_of_map(tile, cx.settings.f32("points_per_texel")?),
             given => given,
         };
         // Whole splats, within the budget and the points that there are.

@@ -1,0 +1,12 @@
+// The surface of a fragment.
+
+#import "surface.wgsl"
+
+/// The material at a fragment, filtered over a pixel. Where it is cut out, the fragment is discarded.
+fn fragment_surface(material: u32, uv: vec2<f32>, change: Change) -> Surface {
+    let at = surface(material, uv, change.uv_x, change.uv_y);
+    if !surface_exists(material, at.coverage) {
+        discard;
+    }
+    return at;
+}
