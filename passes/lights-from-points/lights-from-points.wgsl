@@ -60,7 +60,7 @@ fn make_lights(row: Row) {
         // DEVIATION(area): points in the paper.
         light.area = weight_of(1.0 / (f32(present) * density[index]));
         let flux = radiosity.radiosities[index].radiosity * light.area;
-        light.flux = vec3(weight_of(flux.r), weight_of(flux.g), weight_of(flux.b));
+        light.flux = weights_of(flux);
     }
     lights.lights[index] = light;
     if index == 0u {

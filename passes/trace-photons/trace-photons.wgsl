@@ -122,16 +122,12 @@ fn first_photon(path: u32, paths: u32) -> Emission {
     return photon;
 }
 
-fn finite(flux: vec3<f32>) -> vec3<f32> {
-    return vec3(weight_of(flux.r), weight_of(flux.g), weight_of(flux.b));
-}
-
 fn light_at(point: SurfacePoint, flux: vec3<f32>) -> VirtualLight {
     var light: VirtualLight;
     light.position = point.position;
     light.normal = point.normal;
     light.texel = point.triangle;
-    light.flux = finite(flux);
+    light.flux = weights_of(flux);
     return light;
 }
 

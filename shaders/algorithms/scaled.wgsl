@@ -21,6 +21,11 @@ fn weight_of(x: f32) -> f32 {
     return bitcast<f32>(min(bits, 0x7f7fffffu));
 }
 
+/// The same for each channel.
+fn weights_of(color: vec3<f32>) -> vec3<f32> {
+    return vec3(weight_of(color.r), weight_of(color.g), weight_of(color.b));
+}
+
 /// Returns a weight with its own exponent. A compiler may turn a s + b s into (a + b) s, which leaves the range of f32 where a
 /// and b are in the same unit: of two numbers from here it cannot know that they are. What is denormal counts as 0, as it does
 /// on GPUs that have no such numbers.
