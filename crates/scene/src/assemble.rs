@@ -163,8 +163,8 @@ impl Assembly {
     pub(crate) fn finish(self, flattened: Flattened) -> Scene {
         let Flattened { stage: Stage { origin, motion, camera, lights, cameras, repairs }, flat } = flattened;
         let mut repairs = [self.repairs, repairs].concat();
-        if lights.is_empty() {
-            repairs.push("there are no lights: only what emits is not black".into());
+        if lights.is_empty() && !self.materials.iter().any(Material::is_emissive) {
+            repairs.push("there are no lights, and nothing emits: all is black".into());
         }
         if origin != DVec3::ZERO {
             let (DVec3 { x, y, z }, far) = (origin, origin.length());
