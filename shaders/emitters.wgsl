@@ -16,6 +16,8 @@ struct EmitterPoint {
     position: vec3<f32>,
     /// Unit normal of the triangle. Its sign means nothing: both sides emit.
     normal: vec3<f32>,
+    /// Index of the triangle.
+    triangle: u32,
     /// [1/m²] 0 where there is nothing to sample.
     density: f32,
     /// Emitted radiance [W/(m² sr)].
@@ -72,6 +74,7 @@ fn sample_emitter(place: vec2<u32>) -> EmitterPoint {
     var point: EmitterPoint;
     point.position = edges.corner + edges.a * barycentrics.x + edges.b * barycentrics.y;
     point.normal = shape.xyz;
+    point.triangle = triangle;
     point.density = density_of_emitter(emitter, shape.w);
     let at = surface_on_triangle(triangle, barycentrics);
     point.radiance = at.emission;

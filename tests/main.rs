@@ -16,6 +16,7 @@ mod frames;
 #[cfg(unix)]
 mod guides;
 mod incremental;
+mod lamps;
 mod linking;
 mod pairs;
 mod pictures;
