@@ -15,9 +15,10 @@ struct SceneInfo {
     textures: u32,
     /// The diagonal without empty space around what lies far from all else [m]: for lengths that are seen.
     dense_extent: f32,
+    /// Cosine and sine of the angle by which the environment is turned about +Y.
+    environment_cosine: f32,
+    environment_sine: f32,
     pad0: u32,
-    pad1: u32,
-    pad2: u32,
 }
 
 /// A vertex of one instance and one material.
@@ -89,6 +90,11 @@ var<storage, read> scene_area_table: array<u32>;
 /// logarithm of the number of triangles, from 1 to 20.
 var<storage, read> scene_area_guide: array<u32>;
 var<storage, read> scene_emitters: SceneEmitters;
+/// Radiance of the environment [W/(m² sr)], by longitude and latitude: see environment.wgsl.
+var scene_environment: texture_2d<f32>;
+/// [texels + 1] The first number of 32 bits that samples each texel of the environment, by luminance times solid angle; the last
+/// entry is where numbers end: 0 where none samples it.
+var<storage, read> scene_environment_table: array<u32>;
 /// Decoded from sRGB on load.
 var scene_textures: texture_2d_array<f32>;
 /// The same texels as they stand, for data that is not color.

@@ -29,6 +29,7 @@ mod rendered;
 mod reports;
 mod rerun;
 mod sequential;
+mod skies;
 mod still;
 mod stress;
 mod study;

@@ -22,6 +22,8 @@ fn light_that_a_pipeline_leaves_out_is_noted() {
     assert_eq!(warnings_with("ism", &[]), "");
     let emitters = warnings_with("ism", &["emissive"]);
     assert!(emitters.contains("note[W004]: the scene has surfaces that emit"), "{emitters}");
+    let sky = warnings_with("ism", &["environment"]);
+    assert!(sky.contains("note[W004]: the scene has an environment: it is seen"), "{sky}");
     let glossy = warnings_with("ism", &["glossy"]);
     assert!(
         glossy.contains("note[W004]: the scene is glossy, and nothing is linked to `image.glossy`"),
@@ -30,7 +32,7 @@ fn light_that_a_pipeline_leaves_out_is_noted() {
     // Photons come from emitters too.
     assert_eq!(warnings_with("instant-radiosity", &["emissive"]), "");
     assert_eq!(warnings_with("ism-area-light", &["emissive"]), "");
-    assert_eq!(warnings_with("reference", &["emissive", "glossy"]), "");
+    assert_eq!(warnings_with("reference", &["emissive", "environment", "glossy"]), "");
 }
 
 #[test]

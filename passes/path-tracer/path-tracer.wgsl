@@ -2,7 +2,8 @@
 //
 // This is the reference that other pipelines are compared with. A path starts at a point of a pixel, and at each surface adds what the lights of the scene contribute there. Light
 // that was reflected once is direct; after k more reflections it belongs to the k-th bounce. Surfaces that emit are lights
-// too: each surface samples a point of one, and paths may meet them.
+// too: each surface samples a point of one, and paths may meet them. So is the environment: each surface samples a direction
+// of it, and paths may leave the scene.
 //
 // Means over all samples, one texel per pixel; the number of samples is in the buffer `samples_progress`:
 //   samples_image: direct + indirect + emitted radiance [W/(m² sr)]; alpha: the sum of squares of deviations.wgsl, for the estimate
@@ -24,6 +25,8 @@
 #import "camera.wgsl"
 #import "color.wgsl"
 #import "deviations.wgsl"
+#import "environment-light.wgsl"
+#import "environment-light.wgsl"
 #import "progress.wgsl"
 #import "reflected-light.wgsl"
 #import "scatter.wgsl"
@@ -88,6 +91,7 @@ const PIXEL: u32 = 0u;
 const DIRECTION: u32 = 1u;
 const LOBE: u32 = 2u;
 const EMITTER: u32 = 0x656du;
+const ENVIRONMENT: u32 = EMITTER + 64u;
 
 /// The value of `filter` for the mean over a pixel's square.
 const BOX: u32 = 0u;
@@ -158,6 +162,9 @@ fn path(pixel: vec2<u32>, index: u32, pixel_seed: u32) -> Sample {
     // The ray has length 1 along the viewing axis, where the near plane is measured.
     var hit = trace(origin, direction, camera.near, FAR);
     if hit.triangle == NO_HIT {
+        if settings.direct != 0u {
+            sample.emitted = environment_radiance(direction);
+        }
         return sample;
     }
     direction = normalize(direction);
@@ -179,6 +186,14 @@ fn path(pixel: vec2<u32>, index: u32, pixel_seed: u32) -> Sample {
         } else if settings.direct != 0u {
             sample.direct += reflected_light(vertex, -direction);
         }
+        if environment_is_sampled() {
+            let place = sobol2_bits_of(index, hash2(pixel_seed, ENVIRONMENT + bounce));
+            if bounce > 0u {
+                collect(&sample, throughput, arriving, kept, reflected_environment(vertex, -direction, place));
+            } else if settings.direct != 0u {
+                sample.direct += reflected_environment(vertex, -direction, place);
+            }
+        }
 #if EMISSIVE
         let place = sobol2_bits_of(index, hash2(pixel_seed, EMITTER + bounce));
         if bounce > 0u {
@@ -188,7 +203,7 @@ fn path(pixel: vec2<u32>, index: u32, pixel_seed: u32) -> Sample {
         }
 #else
         // One more segment would meet nothing that emits.
-        if bounce == settings.bounces {
+        if bounce == settings.bounces && !environment_is_sampled() {
             break;
         }
 #endif
@@ -203,6 +218,12 @@ fn path(pixel: vec2<u32>, index: u32, pixel_seed: u32) -> Sample {
         origin = offset_origin(vertex.position, vertex.geometric);
         hit = trace(origin, scattered.direction, 0.0, FAR);
         if hit.triangle == NO_HIT {
+            let radiance = met_environment(scattered.direction, scattered.density);
+            if bounce > 0u {
+                collect(&sample, throughput, arriving, kept, radiance);
+            } else if settings.direct != 0u {
+                sample.direct += throughput * radiance;
+            }
             break;
         }
         let from_point = vertex.position;

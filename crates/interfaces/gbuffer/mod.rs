@@ -32,7 +32,11 @@ pub const INTERFACE: Interface = Interface::new(
             Content::Texture(Format::Rgba16Float),
             "reflectance at normal incidence, and roughness",
         ),
-        Member::optional("emission", Content::Texture(Format::Rgba32Float), "emitted radiance [W/(m² sr)]"),
+        Member::optional(
+            "emission",
+            Content::Texture(Format::Rgba32Float),
+            "emitted radiance [W/(m² sr)]; that of the environment where nothing is seen",
+        ),
         Member::optional(
             "motion",
             Content::Texture(Format::Rg32Float),

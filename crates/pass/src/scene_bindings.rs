@@ -15,6 +15,8 @@ pub static GLOBALS: &[(&str, SceneBindings)] = &[
     ("scene_area_table", SceneBindings::SCENE),
     ("scene_area_guide", SceneBindings::SCENE),
     ("scene_emitters", SceneBindings::SCENE),
+    ("scene_environment", SceneBindings::SCENE),
+    ("scene_environment_table", SceneBindings::SCENE),
     ("scene_bvh", SceneBindings::SCENE),
     // Only on adapters that have ray queries.
     ("scene_acceleration", SceneBindings::SCENE),

@@ -28,8 +28,8 @@ impl Compiled {
         Diagnostics(all)
     }
 
-    /// Notes light of a scene with these traits that the pipeline does not model: that of surfaces that emit, where no
-    /// step reads them as sources; and what an input is for that has the name of a trait and is not linked.
+    /// Notes light of a scene with these traits that the pipeline does not model: that of surfaces that emit and of the
+    /// environment, where no step reads them as sources; and what an input is for that has the name of a trait and is not linked.
     fn left_out(&self, catalog: &Catalog, traits: &Traits) -> Vec<Diagnostic> {
         let has = |name: &str| traits.0.get(name) == Some(&Value::Bool(true));
         let mut notes = Vec::new();
@@ -37,12 +37,16 @@ impl Compiled {
             let note = Diagnostic::warning(&LEFT_OUT, Severity::Note, message);
             notes.push(note.note("the pipeline `reference` models it"));
         };
-        let mut read = self.steps.iter().flatten().flat_map(|step| step.scene_bindings());
-        if has("emissive") && !read.any(|binding| binding == "scene_emitters") {
+        let read: Vec<&str> = self.steps.iter().flatten().flat_map(|step| step.scene_bindings()).collect();
+        if has("emissive") && !read.contains(&"scene_emitters") {
             note(
                 "the scene has surfaces that emit: they are seen, and no pass lights others by them"
                     .to_owned(),
             );
+        }
+        // Passes that only show the environment read its radiance alone.
+        if has("environment") && !read.contains(&"scene_environment_table") {
+            note("the scene has an environment: it is seen, and no pass lights surfaces by it".to_owned());
         }
         for pass in &self.plan.passes {
             let names: Vec<String> = pass.inputs.iter().map(|input| input.port.to_string()).collect();

@@ -67,6 +67,7 @@ impl Camera {
 impl SceneInfo {
     pub(crate) fn new(scene: &Scene, textures: u32) -> SceneInfo {
         let (bounds_min, bounds_max) = scene.bounds();
+        let rotation = scene.environment.as_ref().map_or(0.0, |environment| environment.rotation);
         SceneInfo {
             bounds_min: bounds_min.to_array(),
             extent: scene.extent(),
@@ -77,6 +78,8 @@ impl SceneInfo {
             materials: scene.materials.len() as u32,
             textures,
             dense_extent: scene.dense_extent(),
+            environment_cosine: rotation.cos(),
+            environment_sine: rotation.sin(),
             ..SceneInfo::zeroed()
         }
     }

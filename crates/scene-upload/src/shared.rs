@@ -7,7 +7,7 @@ use crate::{buffer, textures};
 use bytemuck::cast_slice;
 use executor::wgpu::{self, AddressMode, BufferUsages, FilterMode};
 use executor::{Executor, ExecutorError, Gpu, SceneBinding};
-use scene::{MovedVertices, Scene, Vertex};
+use scene::{Environment, MovedVertices, Scene, Vertex};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Samples that filtering of textures takes at most along the longer axis of a pixel's footprint: the most that
@@ -78,6 +78,10 @@ impl SceneOnGpu {
         let guide = stored("scene area guide", cast_slice(&Scene::area_guide(&table)), storage);
         let areas = stored("scene area table", cast_slice(&table), storage);
         let emitters = stored("scene emitters", &gpu_data::emitters(scene), storage);
+        let black = Environment::uniform([0.0; 3]);
+        let environment = scene.environment.as_ref().unwrap_or(&black);
+        let environment_table = stored("scene environment table", cast_slice(&environment.table()), storage);
+        let environment = textures::upload_environment(device, &gpu.queue, environment);
         let sampler = |label, filter, address, anisotropy_clamp| {
             SceneBinding::Sampler(device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some(label),
@@ -112,6 +116,8 @@ impl SceneOnGpu {
             ("scene_area_table", SceneBinding::Buffer(areas)),
             ("scene_area_guide", SceneBinding::Buffer(guide)),
             ("scene_emitters", SceneBinding::Buffer(emitters)),
+            ("scene_environment", SceneBinding::Texture(environment)),
+            ("scene_environment_table", SceneBinding::Buffer(environment_table)),
             ("scene_textures", SceneBinding::Texture(array.color)),
             ("scene_textures_linear", SceneBinding::Texture(array.linear)),
             // An adapter that has no anisotropic filtering, or less of it, takes what it has.

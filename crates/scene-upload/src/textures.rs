@@ -1,9 +1,10 @@
 //! The textures of the scene as one array with mip levels: every pass, raster or compute, can read any of
 //! them on any adapter, without binding arrays.
 
+use bytemuck::cast_slice;
 use executor::wgpu;
 use rayon::prelude::*;
-use scene::{Encoding, Texture};
+use scene::{Encoding, Environment, Texture};
 
 /// Greatest size of the array with its mip levels, in bytes; the side is halved until it fits.
 const BUDGET: u64 = 512 << 20;
@@ -80,6 +81,34 @@ pub(crate) fn upload(device: &wgpu::Device, queue: &wgpu::Queue, textures: &[Tex
         color: view(wgpu::TextureFormat::Rgba8UnormSrgb),
         linear: view(wgpu::TextureFormat::Rgba8Unorm),
     }
+}
+
+/// Uploads the map of an environment.
+pub(crate) fn upload_environment(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    environment: &Environment,
+) -> wgpu::TextureView {
+    let size =
+        wgpu::Extent3d { width: environment.width, height: environment.height, depth_or_array_layers: 1 };
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("scene environment"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba32Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let texels: Vec<[f32; 4]> = environment.texels.iter().map(|[r, g, b]| [*r, *g, *b, 1.0]).collect();
+    let rows = wgpu::TexelCopyBufferLayout {
+        offset: 0,
+        bytes_per_row: Some(environment.width * 16),
+        rows_per_image: None,
+    };
+    queue.write_texture(texture.as_image_copy(), cast_slice(&texels), rows, size);
+    texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
 /// Returns all mip levels of a texture, RGBA of 8 bits, the finest first.

@@ -11,6 +11,7 @@ use crate::animation::Track;
 use crate::budget::Budget;
 use crate::camera::Camera;
 use crate::dense::dense_extent;
+use crate::environment::Environment;
 use crate::error::SceneError;
 use crate::hash;
 use crate::light::Light;
@@ -42,6 +43,7 @@ pub(crate) struct Assembly {
     pub(crate) duration: f32,
     pub(crate) repairs: Vec<String>,
     pub(crate) files: Vec<PathBuf>,
+    pub(crate) environment: Option<Environment>,
     /// Whether a scene without triangles is valid.
     pub(crate) may_be_empty: bool,
     pub(crate) budget: Rc<Budget>,
@@ -163,7 +165,8 @@ impl Assembly {
     pub(crate) fn finish(self, flattened: Flattened) -> Scene {
         let Flattened { stage: Stage { origin, motion, camera, lights, cameras, repairs }, flat } = flattened;
         let mut repairs = [self.repairs, repairs].concat();
-        if lights.is_empty() && !self.materials.iter().any(Material::is_emissive) {
+        let shines = self.environment.as_ref().is_some_and(|environment| !environment.is_black());
+        if lights.is_empty() && !shines && !self.materials.iter().any(Material::is_emissive) {
             repairs.push("there are no lights, and nothing emits: all is black".into());
         }
         if origin != DVec3::ZERO {
@@ -184,6 +187,7 @@ impl Assembly {
             materials: self.materials,
             textures: self.textures,
             lights,
+            environment: self.environment,
             camera: Camera::framing(Vec3::ZERO, Vec3::ZERO),
             cameras: cameras.iter().map(|(name, camera, _)| (name.clone(), *camera)).collect(),
             frames_per_second: self.frames_per_second.unwrap_or(30.0),

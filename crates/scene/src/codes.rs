@@ -4,4 +4,5 @@ data_file::codes! {
     RANGE = "C001": "A number of a scene is not finite, or out of its range.";
     NAME = "C002": "A scene names a built-in geometry, a file, a light or an object that is not there.";
     CONFLICT = "C003": "Values of a scene do not go together: an inner cone wider than the outer one, a camera that looks at its own position, keys whose times do not rise.";
+    MAP = "C004": "The map of an environment cannot be read, or has pixels that are no radiance: NaN, infinite or negative.";
 }

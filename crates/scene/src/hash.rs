@@ -16,6 +16,10 @@ pub(crate) fn scene(scene: &Scene) -> u128 {
     motion.meshes.iter().for_each(|mesh| mesh.shape.hash(&mut hash));
     hash.value(&(&scene.materials, &scene.textures, &scene.lights, &scene.camera, scene.frames_per_second));
     hash.value(&(&motion.nodes, &motion.camera, &motion.lights, &motion.skins, &motion.meshes));
+    if let Some(environment) = &scene.environment {
+        hash.slice(environment.texels.as_flattened());
+        hash.value(environment);
+    }
     // Cameras and lights from elsewhere are relative to it.
     hash.value(&scene.origin);
     hash.0.digest128()

@@ -15,7 +15,10 @@ use crate::animation::{Animated, Between, Outside, Track};
 use crate::assemble::{Assembly, Stage};
 use crate::budget::Budget;
 use crate::built_in;
-use crate::description::{Description, Geometry, Keyframes, Keys, parse};
+use crate::description::{
+    Description, EnvironmentDescription, EnvironmentMap, Geometry, Keyframes, Keys, parse,
+};
+use crate::environment::Environment;
 use crate::error::SceneError;
 use crate::files::SceneFiles;
 use crate::import::{Imported, import};
@@ -55,6 +58,9 @@ fn load_within(budget: &Rc<Budget>, spec: &str, files: &dyn SceneFiles) -> Resul
             let mut loader =
                 Loader { folder: &folder, roots: &roots, models: BTreeMap::new(), objects: Vec::new() };
             loader.place(&mut assembly, &description.geometry, None, description.lights_from_file)?;
+            if let Some(described) = &description.environment {
+                assembly.environment = Some(loader.environment(&mut assembly, &source, described)?);
+            }
             assembly.about.clone_from(&description.about);
             if let Some(keyframes) = &description.keyframes {
                 assembly.frames_per_second = Some(keyframes.frames_per_second);
@@ -183,6 +189,40 @@ impl Loader<'_> {
             }
         }
         Ok(())
+    }
+}
+
+impl Loader<'_> {
+    /// Makes or reads an environment.
+    fn environment(
+        &self,
+        assembly: &mut Assembly,
+        source: &Arc<Source>,
+        described: &EnvironmentDescription,
+    ) -> Result<Environment, SceneError> {
+        let factor = described.radiance.to_array();
+        let environment = match &described.map {
+            None => Environment::uniform(factor),
+            Some(EnvironmentMap::Sky) => Environment::sky(factor),
+            Some(EnvironmentMap::File(file)) => {
+                let path = self.folder.join(&file.value);
+                let mut read = Environment::read(&path, factor).map_err(|problem| {
+                    let span =
+                        Span { source: Arc::clone(source), start: file.place.start, end: file.place.end };
+                    let error = Diagnostic::new(&codes::MAP, problem).label(span, "this map");
+                    Diagnostics(vec![error])
+                })?;
+                if let Some((width, height)) = read.shrink() {
+                    assembly.repairs.push(format!(
+                        "the environment {} is reduced from {width} x {height} to {} x {} pixels",
+                        file.value, read.width, read.height
+                    ));
+                }
+                assembly.files.push(path);
+                read
+            }
+        };
+        Ok(Environment { rotation: described.rotation, ..environment })
     }
 }
 

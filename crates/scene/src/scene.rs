@@ -10,6 +10,7 @@ use serde::Serialize;
 use crate::animation::Track;
 use crate::camera::Camera;
 use crate::emitters::cumulative;
+use crate::environment::Environment;
 use crate::light::{Light, LightKind};
 use crate::material::{Material, Texture};
 use crate::model::{Node, Skin};
@@ -60,6 +61,8 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// The lights; without any, the scene is black unless something emits.
     pub lights: Vec<Light>,
+    /// The light from infinitely far, if there is any.
+    pub environment: Option<Environment>,
     /// The camera of the description, otherwise the first of the geometry file, otherwise one that sees
     /// everything.
     pub camera: Camera,
@@ -316,7 +319,7 @@ impl Scene {
                 ("emissive", any(Material::is_emissive)),
                 ("masked", any(|m| m.alpha_cutoff.is_some())),
                 ("normal_mapped", any(|m| m.normal_texture.is_some())),
-                ("environment", Value::Bool(false)),
+                ("environment", Value::Bool(self.environment.as_ref().is_some_and(|e| !e.is_black()))),
                 ("moving_camera", Value::Bool(self.motion.moves(&self.motion.camera))),
                 ("moving_lights", Value::Bool(self.motion.lights.iter().any(|l| self.motion.moves(l)))),
                 ("moving_geometry", Value::Bool(!self.motion.meshes.is_empty())),

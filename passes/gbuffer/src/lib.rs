@@ -1,8 +1,8 @@
 #![doc = include_str!("../README.md")]
 
 use pass::{
-    Draw, Extent, Format, OutputDesc, Outputs, PassTypeError, Raster, ReadSettings, RecordContext, Recording,
-    ResourceDesc, Settings, Step, Target,
+    Draw, Extent, Format, Load, OutputDesc, Outputs, PassTypeError, Raster, ReadSettings, RecordContext,
+    Recording, ResourceDesc, Settings, Step, Target, Usage, Value,
 };
 
 pass::from_wgsl!(outputs, record);
@@ -19,6 +19,11 @@ fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         for (_, normal, _) in members.filter(|(member, ..)| member == "normal") {
             *normal = texture(Format::Rgba32Float);
         }
+    }
+    let is_sky_seen = cx.traits.0.get("environment") == Some(&Value::Bool(true));
+    let view = &mut outputs[0].members;
+    if is_sky_seen && !view.iter().any(|(member, ..)| member == "emission") {
+        view.push(("emission".into(), texture(Format::Rgba32Float), Usage::Overwrites));
     }
     outputs.push(OutputDesc::scratch("nearest", texture(Format::Depth32Float)));
     Ok(outputs)
@@ -39,8 +44,20 @@ fn record(cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
     if specular && full {
         draws.push(draw("view_specular", &["specular"]));
     }
-    if has("emission") {
+    let (emissive, environment) = (cx.trait_bool("emissive"), cx.trait_bool("environment"));
+    if emissive && has("emission") {
         draws.push(draw("view_emission", &["emission"]));
+    }
+    if environment && has("emission") {
+        let load = if emissive { Load::Keep } else { Load::Clear([0.0; 4]) };
+        let target = Target { load, ..Target::clear("view.emission") };
+        draws.push(Raster::new(
+            cx.file("sky.wgsl"),
+            "fullscreen",
+            "view_sky",
+            vec![target],
+            Draw::Fullscreen,
+        ));
     }
     if has("motion") {
         let targets = vec![Target::clear("view.motion")];

@@ -32,8 +32,9 @@ impl Pass for PathTracer {
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let size = cx.size("samples");
-        // A ray to each light, one to an emitter and one onwards, at each surface.
-        let to_lights = cx.trait_u32("lights") + u32::from(cx.trait_bool("emissive"));
+        // A ray to each light, one to an emitter, one to the environment and one onwards, at each surface.
+        let others = ["emissive", "environment"].map(|name| u32::from(cx.trait_bool(name)));
+        let to_lights = cx.trait_u32("lights") + others.iter().sum::<u32>();
         let rays = (1 + to_lights) * (1 + cx.settings.u32("bounces")?);
         let at_once = cx.settings.u32("samples_per_frame")?.min((RAYS / rays).max(1));
         let paths = Compute::per_texel(cx.file("path-tracer.wgsl"), "trace_paths", size)

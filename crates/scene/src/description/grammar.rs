@@ -11,7 +11,10 @@ use data_file::{Diagnostic, Diagnostics, Place, Source};
 use glam::{DVec3, Quat, Vec3};
 use serde::Deserialize;
 
-use super::{CameraKeys, Description, Geometry, Keyframes, Keys, LightKeys, Object, ObjectKeys, rotation};
+use super::{
+    CameraKeys, Description, EnvironmentDescription, EnvironmentMap, Geometry, Keyframes, Keys, LightKeys,
+    Object, ObjectKeys, rotation,
+};
 use crate::built_in;
 use crate::camera::Camera;
 use crate::light::{BRIGHTEST, Light, LightKind};
@@ -38,6 +41,7 @@ struct SceneFile {
     geometry: GeometryFile,
     camera: Option<CameraFile>,
     lights: Vec<LightFile>,
+    environment: Option<EnvironmentFile>,
     lights_from_file: Option<bool>,
     keyframes: Option<Spanned<KeyframesFile>>,
 }
@@ -104,6 +108,21 @@ enum LightFile {
 }
 
 #[derive(Deserialize)]
+#[serde(rename = "Environment", expecting = "`Environment(map: …, radiance: …, rotation_deg: …)`")]
+struct EnvironmentFile {
+    map: Option<MapFile>,
+    radiance: Option<Power>,
+    rotation_deg: Option<Spanned<Number>>,
+}
+
+#[derive(Deserialize)]
+#[serde(expecting = "`BuiltIn(\"sky\")` or `File(\"sky.hdr\")`")]
+enum MapFile {
+    BuiltIn(Spanned<String>),
+    File(Spanned<String>),
+}
+
+#[derive(Deserialize)]
 #[serde(rename = "Keyframes")]
 struct KeyframesFile {
     frames_per_second: Option<Spanned<Number>>,
@@ -165,6 +184,9 @@ struct Checks<'a, 'b> {
 /// A condition on a number, and its description for messages.
 type Rule = (&'static str, fn(f32) -> bool);
 
+/// The built-in map of an environment.
+const SKY: &str = "sky";
+
 const FINITE: Rule = ("a finite number", f32::is_finite);
 
 impl Checks<'_, '_> {
@@ -175,6 +197,7 @@ impl Checks<'_, '_> {
             geometry: self.geometry(file.geometry, self.origin),
             camera: file.camera.map(|camera| self.camera(&camera)),
             lights: lights.map(|(index, light)| self.light(light, index)).collect(),
+            environment: file.environment.map(|environment| self.environment(environment)),
             lights_from_file: file.lights_from_file.unwrap_or(true),
             keyframes: file.keyframes.map(|keyframes| self.keyframes(keyframes.value)),
         }
@@ -193,7 +216,7 @@ impl Checks<'_, '_> {
                 Geometry::BuiltIn(name)
             }
             GeometryFile::File(file) => {
-                self.file_is_there(&file);
+                self.file_is_there(&file, ("glTF files there", &[".glb", ".gltf"]));
                 Geometry::File(file)
             }
             GeometryFile::Objects(objects) => {
@@ -202,7 +225,32 @@ impl Checks<'_, '_> {
         }
     }
 
-    fn file_is_there(&mut self, file: &Spanned<String>) {
+    fn environment(&mut self, file: EnvironmentFile) -> EnvironmentDescription {
+        let map = file.map.map(|map| match map {
+            MapFile::BuiltIn(name) => {
+                if name.value != SKY {
+                    let message = format!("there is no built-in map `{}`", *name);
+                    let error = Diagnostic::new(&codes::NAME, message)
+                        .label(self.reader.span(name.place), "not built in")
+                        .suggest("built-in maps", &name, [SKY]);
+                    self.reader.report(error);
+                }
+                EnvironmentMap::Sky
+            }
+            MapFile::File(file) => {
+                self.file_is_there(&file, ("maps there", &[".hdr", ".exr", ".pfm"]));
+                EnvironmentMap::File(file)
+            }
+        });
+        EnvironmentDescription {
+            map,
+            radiance: file.radiance.map_or(Vec3::ONE, |radiance| self.power(&radiance)),
+            rotation: file.rotation_deg.map_or(0.0, |turn| self.number(turn, FINITE)).to_radians(),
+        }
+    }
+
+    /// Checks that a file may be named and exists. `(what, endings)` are the files that a mistaken name is compared with.
+    fn file_is_there(&mut self, file: &Spanned<String>, (what, endings): (&str, &[&str])) {
         let Some((folder, roots)) = self.folder else { return };
         let path = folder.join(&file.value);
         let scene = folder.join("scene");
@@ -219,11 +267,11 @@ impl Checks<'_, '_> {
             .label(self.reader.span(file.place), "not found")
             .note("file names start from the folder of the scene file");
         let inner = Path::new(&file.value).parent().unwrap_or(Path::new(""));
-        let known = models_in(folder, inner);
+        let known = files_in(folder, inner, endings);
         let error = if known.is_empty() {
             error
         } else {
-            error.suggest("glTF files there", &file.value, known.iter().map(String::as_str))
+            error.suggest(what, &file.value, known.iter().map(String::as_str))
         };
         self.reader.report(error);
     }
@@ -446,11 +494,12 @@ impl Checks<'_, '_> {
     }
 }
 
-/// Returns the glTF files of `folder`/`inner`, as a scene file in `folder` names them.
-fn models_in(folder: &Path, inner: &Path) -> Vec<String> {
+/// Returns the files of `folder`/`inner` with these endings, as a scene file in `folder` names them.
+fn files_in(folder: &Path, inner: &Path, endings: &[&str]) -> Vec<String> {
     let entries = std::fs::read_dir(folder.join(inner)).into_iter().flatten().flatten();
     let names = entries.map(|entry| inner.join(entry.file_name()).to_string_lossy().into_owned());
-    let mut names: Vec<String> = names.filter(|n| n.ends_with(".glb") || n.ends_with(".gltf")).collect();
+    let mut names: Vec<String> =
+        names.filter(|name| endings.iter().any(|ending| name.ends_with(ending))).collect();
     names.sort();
     names
 }

@@ -9,6 +9,7 @@ mod deformation;
 mod dense;
 mod description;
 mod editing;
+mod environment;
 mod extremes;
 mod far;
 mod gltf;

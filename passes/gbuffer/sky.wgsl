@@ -1,0 +1,15 @@
+// The light of the environment where no surface is seen.
+
+#import "camera.wgsl"
+#import "environment.wgsl"
+#import "fullscreen.wgsl"
+
+var view_depth: texture_2d<f32>;
+
+@fragment
+fn view_sky(@builtin(position) at: vec4<f32>) -> @location(0) vec4<f32> {
+    if textureLoad(view_depth, vec2<u32>(at.xy), 0).x > 0.0 {
+        discard;
+    }
+    return vec4(environment_radiance(view_ray(at.xy)), 1.0);
+}
