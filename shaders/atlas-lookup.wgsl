@@ -31,10 +31,10 @@ fn atlas_lookup(light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> Parabo
     return paraboloid_lookup(light, at, normal, atlas.tile, atlas.depth_bias, atlas.slope_bias);
 }
 
-/// The same in the light's frame: `local` [m] is the receiver, and `plane_normal` its unit normal.
+/// The same in the frame of a light on a surface: `local` [m] is the receiver, and `plane_normal` its unit normal.
 fn atlas_lookup_in_frame(local: vec3<f32>, plane_normal: vec3<f32>) -> ParaboloidLookup {
     let atlas = visibility_facts.atlas;
-    return paraboloid_lookup_in_frame(local, plane_normal, atlas.tile, atlas.depth_bias, atlas.slope_bias);
+    return paraboloid_lookup_in_frame(ON_SURFACE, local, plane_normal, atlas.tile, atlas.depth_bias, atlas.slope_bias);
 }
 
 /// Where the map of a light begins: texel and layer.

@@ -1,10 +1,12 @@
-// Shadow-map lookups in the paraboloid map of a virtual light: the position of a receiver, and its depth test.
+// Shadow-map lookups in the map of a virtual light: the position of a receiver, and its depth test.
 
-#import "paraboloid.wgsl"
+#import "light-projection.wgsl"
 #import "virtual-lights.wgsl"
 
 /// A lookup of a map.
 struct ParaboloidLookup {
+    /// That of the light.
+    kind: u32,
     /// The receiver is behind the light's plane, where there is no map.
     behind: bool,
     /// Position in the map [px].
@@ -29,34 +31,34 @@ fn paraboloid_lookup(
     slope_bias: f32,
 ) -> ParaboloidLookup {
     let frame = frame_from_normal(light.normal);
-    return paraboloid_lookup_in_frame((at - light.position) * frame, normal * frame, tile, depth_bias, slope_bias);
+    let local = (at - light.position) * frame;
+    return paraboloid_lookup_in_frame(light.kind, local, normal * frame, tile, depth_bias, slope_bias);
 }
 
-/// The same in the light's frame: `local` [m] is the receiver, and `plane_normal` its unit normal.
+/// The same in the frame of a light of that kind: `local` [m] is the receiver, and `plane_normal` its unit normal.
 fn paraboloid_lookup_in_frame(
+    kind: u32,
     local: vec3<f32>,
     plane_normal: vec3<f32>,
     tile: u32,
     depth_bias: f32,
     slope_bias: f32,
 ) -> ParaboloidLookup {
-    let distance = length(local);
     if local.z <= 0.0 {
-        return ParaboloidLookup(true, vec2(0.0), 0.0, vec4(0.0), 0.0);
+        return ParaboloidLookup(kind, true, vec2(0.0), 0.0, vec4(0.0), 0.0);
     }
+    let distance = map_distance(kind, local);
     let height = dot(plane_normal, local);
-    // The width of a texel [m] is distance · √(density · area); with z = (1 - r²) / (1 + r²) that is:
-    let width = (distance + local.z) * (2.0 / f32(tile));
     var bias = depth_bias;
     if slope_bias > 0.0 {
-        // The slope is the tangent to the cosine height / distance. It ends at 4 (76°): beyond, the cosine leaves little
+        // The slope is the tangent to the cosine towards the light. It ends at 4 (76°): beyond, the cosine leaves little
         // light to lose, and walls would leak. By the cross product, which does not cancel where the receiver faces the light.
-        let slope = length(cross(plane_normal, local)) / max(-height, 0.25 * distance);
-        bias += slope_bias * slope;
+        let direction = map_direction(kind, local, distance);
+        bias += slope_bias * length(cross(plane_normal, direction)) / max(-dot(plane_normal, direction), 0.25);
     }
-    // paraboloid_from_direction, with the division by the distance left out.
-    let position = tile_position(local.xy / (distance + local.z), tile);
-    return ParaboloidLookup(false, position, distance, vec4(plane_normal, height), width * bias);
+    let position = tile_position(map_position(kind, local, distance), tile);
+    let width = map_texel_width(kind, local, distance, tile);
+    return ParaboloidLookup(kind, false, position, distance, vec4(plane_normal, height), width * bias);
 }
 
 /// The texel of a map at a position in it [px]. Beyond the map's edge lies another map: the nearest texel at the edge is taken.
@@ -70,11 +72,9 @@ fn texel_in_map(position: vec2<f32>, tile: u32) -> vec2<u32> {
 /// (receiver-plane depth bias, Isidoro 2006). What is farther than the receiver hides nothing, so a plane that recedes
 /// changes nothing; one that comes near is followed up to half the distance.
 fn is_seen(lookup: ParaboloidLookup, texel: vec2<u32>, tile: u32, stored: f32) -> bool {
-    // The cosine between normal and ray is along / (1 + r²): see direction_from_paraboloid.
-    let centre = texel_centre(texel, tile);
-    let r2 = dot(centre, centre);
-    let along = 2.0 * dot(lookup.plane.xy, centre) + lookup.plane.z * (1.0 - r2);
-    let meets = along * lookup.plane.w > 0.0;
-    let own = select(lookup.distance, lookup.plane.w * (1.0 + r2) / along, meets);
+    let ray = map_ray(lookup.kind, texel_centre(texel, tile));
+    let along = dot(lookup.plane.xyz, ray.direction);
+    let height = lookup.plane.w - dot(lookup.plane.xyz, ray.origin);
+    let own = select(lookup.distance, height * ray.length / along, along * height > 0.0);
     return clamp(own, 0.5 * lookup.distance, lookup.distance) - lookup.bias <= stored;
 }

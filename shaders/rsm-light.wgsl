@@ -11,7 +11,7 @@ var rsm_flux: texture_2d_array<f32>;
 /// A light that emits nothing: for texels that saw nothing, and if no texel can be sampled. It has a valid normal all
 /// the same, so that a frame built around it has finite axes.
 fn dark_light(texel: u32) -> VirtualLight {
-    return VirtualLight(vec3(0.0), 0.0, vec3(0.0, 0.0, 1.0), texel, vec3(0.0), 0.0);
+    return VirtualLight(vec3(0.0), 0.0, vec3(0.0, 0.0, 1.0), texel, vec3(0.0), ON_SURFACE);
 }
 
 /// The farthest distance off the plane of a surface at which another map's texel may lie to show the same surface, in sides of a square of a texel's
@@ -93,5 +93,5 @@ fn virtual_light_from_texel(layer: u32, x: u32, y: u32, weight: f32) -> VirtualL
     // A light of 1e30 W sampled with probability 1e-20 would be infinite.
     let whole = min(flux * weight, vec4(1e37));
     let share = share_of_radiosity(Reflected(position.xyz, normal, luminance(flux.rgb), flux.a), layer);
-    return VirtualLight(position.xyz, whole.a * share, normal, texel, whole.rgb, 0.0);
+    return VirtualLight(position.xyz, whole.a * share, normal, texel, whole.rgb, ON_SURFACE);
 }

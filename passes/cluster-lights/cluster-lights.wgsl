@@ -81,9 +81,9 @@ fn seed(row: Row) {
     if i < k {
         // Light i n / k, without the product, which may exceed 32 bits.
         let first = lights.lights[i * (n / k) + i * (n % k) / k];
-        clusters.lights[i] = VirtualLight(first.position, 0.0, first.normal, first.texel, vec3(0.0), 0.0);
+        clusters.lights[i] = VirtualLight(first.position, 0.0, first.normal, first.texel, vec3(0.0), ON_SURFACE);
     } else if i < settings.clusters_count {
-        clusters.lights[i] = VirtualLight(vec3(0.0), 0.0, vec3(0.0, 0.0, 1.0), 0u, vec3(0.0), 0.0);
+        clusters.lights[i] = VirtualLight(vec3(0.0), 0.0, vec3(0.0, 0.0, 1.0), 0u, vec3(0.0), ON_SURFACE);
     }
     if i == 0u {
         clusters.count = k;
@@ -220,5 +220,5 @@ fn update(row: Row) {
     }
     let position = old.position + sums.position / max(sums.count, 1.0);
     let flux = min(sums.flux, vec3(1e37));
-    clusters.lights[index] = VirtualLight(position, sums.area, normal, old.texel, flux, 0.0);
+    clusters.lights[index] = VirtualLight(position, sums.area, normal, old.texel, flux, ON_SURFACE);
 }

@@ -187,7 +187,7 @@ fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec
         return 0.0;
     }
     let plane_normal = normal * frame;
-    let lookup = atlas_lookup_in_frame(receiver, plane_normal);
+    let lookup = atlas_lookup(light, at, normal);
     let radius = disc_radius(light.area);
     if radius == 0.0 {
         return seen_once(lookup, index);

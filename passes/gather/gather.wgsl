@@ -85,9 +85,12 @@ fn subset(s: u32, subsets: u32, count: u32) -> Subset {
     return Subset(s, (count + subsets - 1u - s) / subsets, subsets);
 }
 
-/// Geometry term of a light without its visibility [1/m²], cosθ cosθ' / (π d²): what remains after the bound, and what
-/// the bound removes.
+/// Geometry term of a light without its visibility [1/m²], cosθ cosθ' / (π d²), or the cosine alone where the light is infinitely
+/// far: what remains after the bound, and what the bound removes.
 fn geometry(light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> vec2<f32> {
+    if light.kind == INFINITELY_FAR {
+        return vec2(max(-dot(normal, light.normal), 0.0), 0.0);
+    }
     let offset = at - light.position;
     // Below the rounding of positions, neither the distance nor the light's direction is meaningful.
     let rounding = 1e-6 * scene_info.extent;
@@ -177,7 +180,8 @@ fn gather(
                 var terms = geometry(light, at, normal);
 #if VIEW_GEOMETRIC
                 // No light arrives from behind the plane, even where a bent normal faces it.
-                terms *= select(0.0, 1.0, dot(receivers[r].plane, light.position - at) > 0.0);
+                let to_light = select(light.position - at, -light.normal, light.kind == INFINITELY_FAR);
+                terms *= select(0.0, 1.0, dot(receivers[r].plane, to_light) > 0.0);
 #endif
 #if VISIBILITY
                 if terms.x > 0.0 {

@@ -94,5 +94,5 @@ fn make_lights(row: Row) {
 #else
     let position = cluster.position;
 #endif
-    lights.lights[i] = VirtualLight(position, area, cluster.normal, cluster.texel, flux, 0.0);
+    lights.lights[i] = VirtualLight(position, area, cluster.normal, cluster.texel, flux, ON_SURFACE);
 }

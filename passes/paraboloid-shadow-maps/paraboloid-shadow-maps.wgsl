@@ -29,8 +29,8 @@
 #option MASKED false // whether triangles do not count where alpha is below their material's cutoff
 #option PAST false // whether maps are kept, and only those that are listed are rendered
 
+#import "light-projection.wgsl"
 #import "mask.wgsl"
-#import "paraboloid.wgsl"
 #import "scene.wgsl"
 #import "virtual-lights.wgsl"
 
@@ -68,6 +68,8 @@ struct Cover {
     @location(2) @interpolate(flat) c: vec3<f32>,
     /// First texel of the light's tile.
     @location(3) @interpolate(flat) origin: vec2<u32>,
+    /// That of the light.
+    @location(5) @interpolate(flat) kind: u32,
 #if MASKED
     @location(4) @interpolate(flat) triangle: u32,
 #endif
@@ -157,7 +159,15 @@ fn cover(@builtin(vertex_index) vertex: u32, @builtin(instance_index) map: u32) 
     if max(max(a.z, b.z), c.z) <= 1e-6 * scene_info.extent {
         return out;
     }
-    let box = image_bounds(a, b, c);
+    let kind = lights.lights[light].kind;
+    var box: Box;
+    if kind == INFINITELY_FAR {
+        let low = min(min(a.xy, b.xy), c.xy);
+        let high = max(max(a.xy, b.xy), c.xy);
+        box = Box(map_position(kind, vec3(low, 0.0), 0.0), map_position(kind, vec3(high, 0.0), 0.0));
+    } else {
+        box = image_bounds(a, b, c);
+    }
     // The texels whose centres are inside; a hundredth of a texel covers rounding.
     let tile = settings.map;
     let low = max(ceil(tile_position(box.low, tile) - 0.51), vec2(0.0));
@@ -170,9 +180,9 @@ fn cover(@builtin(vertex_index) vertex: u32, @builtin(instance_index) map: u32) 
     let at = vec2<f32>(origin) + low + corner * 2.0 * (high - low);
     let ndc = vec2(2.0, -2.0) * at / vec2<f32>(settings.visibility_size) + vec2(-1.0, 1.0);
 #if MASKED
-    return Cover(vec4(ndc, 0.0, 1.0), a, b, c, origin, vertex / 3u);
+    return Cover(vec4(ndc, 0.0, 1.0), a, b, c, origin, kind, vertex / 3u);
 #else
-    return Cover(vec4(ndc, 0.0, 1.0), a, b, c, origin);
+    return Cover(vec4(ndc, 0.0, 1.0), a, b, c, origin, kind);
 #endif
 }
 
@@ -190,22 +200,22 @@ fn hit(in: Cover) -> Hit {
     if any(texel >= vec2(tile)) {
         discard;
     }
-    let direction = direction_from_paraboloid(texel_centre(texel, tile));
+    let ray = map_ray(in.kind, texel_centre(texel, tile));
     // On which side of each edge the ray passes. Triangles that share an edge get opposite numbers there, so no
     // ray slips between them.
-    let sides = vec3(
-        dot(direction, cross(in.b, in.c)),
-        dot(direction, cross(in.c, in.a)),
-        dot(direction, cross(in.a, in.b)),
-    );
+    let a = map_homogeneous(in.kind, in.a);
+    let b = map_homogeneous(in.kind, in.b);
+    let c = map_homogeneous(in.kind, in.c);
+    let sides = vec3(dot(ray.image, cross(b, c)), dot(ray.image, cross(c, a)), dot(ray.image, cross(a, b)));
     let normal = cross(in.b - in.a, in.c - in.a);
-    let along = dot(normal, direction);
+    let along = dot(normal, ray.direction);
     if !(all(sides >= vec3(0.0)) || all(sides <= vec3(0.0))) || along == 0.0 {
         discard;
     }
-    let distance = dot(normal, in.a) / along;
+    let times = dot(normal, in.a - ray.origin) / along;
+    let distance = times * ray.length;
     // Rays of texels that only touch the disc point below the horizon, and may meet the triangle backwards.
-    if !(distance > 0.0 && distance < NOTHING) || !above_horizon(direction * distance, scene_info.extent) {
+    if !(distance > 0.0 && distance < NOTHING) || !above_horizon(ray.origin + times * ray.direction, scene_info.extent) {
         discard;
     }
 #if MASKED

@@ -50,7 +50,7 @@ fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec
     let origin = origin_in_atlas(index);
     let radius = disc_radius(light.area);
     if radius == 0.0 {
-        return seen_once(atlas_lookup_in_frame(receiver, plane_normal), index);
+        return seen_once(atlas_lookup(light, at, normal), index);
     }
 
     // DEVIATION(nearest): the search is as wide as the penumbra of the nearest blockers that it is to find.

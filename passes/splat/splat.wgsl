@@ -28,8 +28,8 @@
 #option MASKED false // whether triangles do not count where alpha is below their material's cutoff
 
 #import "dispatch.wgsl"
+#import "light-projection.wgsl"
 #import "mask.wgsl"
-#import "paraboloid.wgsl"
 #import "random.wgsl"
 #import "scene.wgsl"
 #import "surface-sample.wgsl"
@@ -134,9 +134,10 @@ fn chosen(index: u32, block: u32, light: VirtualLight, frame: mat3x3<f32>) -> Sp
             continue;
         }
         // Bounded at the light, and not zero for surfaces that are seen on edge.
+        let is_far = light.kind == INFINITELY_FAR;
         let squared = dot(offset, offset);
-        let cosine = abs(dot(point.normal, offset)) * inverseSqrt(squared);
-        let weight = point.area / (squared + point.area) * mix(0.1, 1.0, cosine);
+        let cosine = abs(select(dot(point.normal, offset) * inverseSqrt(squared), dot(point.normal, light.normal), is_far));
+        let weight = point.area / select(squared + point.area, 1.0, is_far) * mix(0.1, 1.0, cosine);
         sum += weight;
         if unit_float(hash2(index, i)) * sum <= weight {
             splat = Splat(point, local);
@@ -171,25 +172,28 @@ fn splat(row: Row) {
     }
 
     let local = splat.local;
-    let distance = length(local);
+    let distance = map_distance(light.kind, local);
     let normal = splat.point.normal * frame;
     let height = dot(normal, local);
-    let centre = paraboloid_from_direction(local / distance);
+    let centre = map_position(light.kind, local, distance);
     let tile = settings.map;
     // Texels per metre across the ray.
-    let density = inverseSqrt(paraboloid_density(centre) * texel_area(tile)) / distance;
+    let density = 1.0 / map_texel_width(light.kind, local, distance, tile);
 #if KERNEL == surfel
     let triangle = triangle_of_scene(splat.point.triangle);
     let is_small = normal_and_area(triangle.a, triangle.b).w < area;
     let radius = select(LARGE_RADIUS, SMALL_RADIUS, is_small) * settings.splat_scale * sqrt(area);
-    let reach = min(radius * density * disc_extent(normal, centre), vec2(0.5 * settings.side));
-    let a = (triangle.corner - light.position) * frame;
-    let b = a + triangle.a * frame;
-    let c = a + triangle.b * frame;
+    // In an orthographic map, x and y are the same directions everywhere, as in the middle of a paraboloid one.
+    let extent = disc_extent(normal, select(centre, vec2(0.0), light.kind == INFINITELY_FAR));
+    let reach = min(radius * density * extent, vec2(0.5 * settings.side));
+    let corner = (triangle.corner - light.position) * frame;
+    let a = map_homogeneous(light.kind, corner);
+    let b = map_homogeneous(light.kind, corner + triangle.a * frame);
+    let c = map_homogeneous(light.kind, corner + triangle.b * frame);
     let edges = mat3x3(cross(b, c), cross(c, a), cross(a, b));
 #else
     // At least one texel, as a side is at least 1.
-    let cosine = abs(height) / distance;
+    let cosine = abs(dot(normal, map_direction(light.kind, local, distance)));
     let side = clamp(settings.splat_scale * sqrt(area * cosine) * density, 1.0, settings.side);
     let reach = vec2(0.5 * side);
 #endif
@@ -205,18 +209,16 @@ fn splat(row: Row) {
     for (var i = 0u; i < size.x * size.y; i++) {
         var stored = distance;
 #if KERNEL == surfel
-        // Not of length 1: see direction_from_paraboloid.
-        let on_square = texel_centre(low + at, tile);
-        let off_centre = dot(on_square, on_square);
-        let ray = vec3(2.0 * on_square, 1.0 - off_centre);
-        let times = height / dot(normal, ray);
-        let off = times * ray - local;
-        stored = times * (1.0 + off_centre);
+        let ray = map_ray(light.kind, texel_centre(low + at, tile));
+        let times = (height - dot(normal, ray.origin)) / dot(normal, ray.direction);
+        let met = ray.origin + times * ray.direction;
+        let off = met - local;
+        stored = times * ray.length;
         // Rays of texels that only touch the disc point below the horizon.
-        var is_met = stored > 0.0 && dot(off, off) <= radius * radius && above_horizon(times * ray, scene_info.extent);
+        var is_met = stored > 0.0 && dot(off, off) <= radius * radius && above_horizon(met, scene_info.extent);
         if is_met && !is_small {
             // On which side of each edge the ray passes: in proportion to the weights of the opposite corners.
-            let sides = ray * edges;
+            let sides = ray.image * edges;
             is_met = (all(sides >= vec3(0.0)) || all(sides <= vec3(0.0)))
                 && triangle_exists(splat.point.triangle, sides.yz / (sides.x + sides.y + sides.z));
         }

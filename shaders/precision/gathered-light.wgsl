@@ -19,7 +19,7 @@ fn given(magnitude: f32, u: vec4<f32>) -> Given {
     scene.extent = 1.0;
     scene.dense_extent = 1.0;
     let way = unit_direction(u.xy);
-    let light = VirtualLight(vec3(0.0), 1e-5, direction_beside(way, 1.3 * u.z, u.w), 0u, vec3(1.0), 0.0);
+    let light = VirtualLight(vec3(0.0), 1e-5, direction_beside(way, 1.3 * u.z, u.w), 0u, vec3(1.0), ON_SURFACE);
     return Given(settings, scene, light, magnitude * way, direction_beside(-way, 1.3 * u.w, u.z));
 }
 

@@ -15,6 +15,6 @@ fn given(magnitude: f32, u: vec4<f32>) -> Given {
 
 /// [magnitude: 1e-5 to 1.5, angle between normal and light [rad]]
 fn probe(given: Given) -> vec4<f32> {
-    let lookup = paraboloid_lookup_in_frame(given.local, given.normal, 64u, 0.0, 1.0);
+    let lookup = paraboloid_lookup_in_frame(ON_SURFACE, given.local, given.normal, 64u, 0.0, 1.0);
     return vec4(lookup.bias, lookup.position, lookup.distance);
 }

@@ -1,4 +1,4 @@
-//! Virtual lights: lights that represent reflected light.
+//! Virtual lights: lights that represent reflected or emitted light, or light from infinitely far.
 
 use pass::{Content, Fact, Interface, Member, OutputDesc, PassTypeError, Struct, UseContext};
 

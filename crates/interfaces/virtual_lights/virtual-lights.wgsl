@@ -1,22 +1,27 @@
-// The interface VirtualLights: lights on surfaces that stand for light reflected there.
+// The interface VirtualLights: lights on surfaces that stand for light reflected or emitted there, and lights infinitely far.
 //
-// A virtual light carries flux Φ [W] and emits as a Lambertian surface: at a point x far from it, it gives the irradiance
-// Φ cosθ cosθ' V / (π d²).
+// A light on a surface carries flux Φ [W] and emits as a Lambertian surface: at a point x far from it, it gives the irradiance
+// Φ cosθ cosθ' V / (π d²). A light infinitely far gives Φ cosθ V, where Φ is the irradiance across its direction [W/m²].
 
-/// A light that represents light reflected by a surface.
+/// Values of `VirtualLight.kind`.
+const ON_SURFACE: u32 = 0u;
+const INFINITELY_FAR: u32 = 1u;
+
+/// A light that represents light reflected by a surface, or light from infinitely far.
 struct VirtualLight {
-    /// Position in world space [m].
+    /// Position in world space [m]. Of a light infinitely far: the middle of the plane before the scene in which its map begins.
     position: vec3<f32>,
     /// Area A of the surface that it represents [m²]: 1 / (N p) where N lights were sampled with the density p; where several
     /// lights of the scene see a surface, its share. 0 for a point light.
     area: f32,
-    /// Normal of that surface, unit; light leaves on this side.
+    /// Normal of that surface, unit; light leaves on this side. Of a light infinitely far: the direction in which it travels.
     normal: vec3<f32>,
     /// Texel of the reflective shadow map that it was sampled from, counted through rows and layers.
     texel: u32,
-    /// Reflected flux Φ [W].
+    /// Flux Φ [W]; of a light infinitely far, irradiance [W/m²].
     flux: vec3<f32>,
-    pad: f32,
+    /// ON_SURFACE or INFINITELY_FAR.
+    kind: u32,
 }
 
 /// A number of virtual lights.

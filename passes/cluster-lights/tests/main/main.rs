@@ -23,7 +23,7 @@ fn light(position: [f32; 3], tilt: [f32; 2]) -> VirtualLight {
         flux: [1.0, 2.0 + position[0], 0.5],
         area: 0.25 + 0.1 * tilt[0].abs(),
         texel: 7,
-        pad: 0.0,
+        ..Default::default()
     }
 }
 
