@@ -1,6 +1,7 @@
 //! Scenes that light from infinitely far lights, against closed forms.
 
-use crate::adapter::{done, renderer};
+use crate::adapter::{done, mean, renderer, shown};
+use crate::program::Folder;
 use glam::{DVec3, dvec3};
 use metrics::Image;
 use renderer::Renderer;
@@ -109,6 +110,103 @@ fn a_box_that_is_open_to_a_sky_is_a_furnace() {
     let off = |pixel: &[f32; 4]| (pixel[0] - 1.0).abs();
     let greatest = image.pixels().iter().map(off).fold(0.0, f32::max);
     assert!(greatest < 0.05, "{greatest} in a pixel of 64 samples");
-    let mean = crate::adapter::mean(&image)[1];
+    let [_, mean, _] = mean(&image);
     assert!((mean - 1.0).abs() < 2e-3, "{mean}");
+}
+
+/// A pipeline whose lights are those of the sky alone, all of them gathered at each pixel.
+fn lit_by_sky(shadows: &str, passes: &str) -> String {
+    format!(
+        r#"Pipeline(
+            about: "The sky alone",
+            passes: {{
+                "view": Pass(kind: "gbuffer"),
+                "sky": Pass(kind: "environment-lights", set: {{ "count": 256 }}),
+                {passes}
+                "gather": Pass(
+                    kind: "gather",
+                    in: {{ "view": "view", "lights": "sky", "visibility": "{shadows}" }},
+                    set: {{ "interleave_x": 1, "interleave_y": 1 }},
+                ),
+                "image": Pass(kind: "composite", in: {{ "view": "view", "indirect": "gather" }}),
+            }},
+            outputs: {{ "image": "image.indirect_radiance" }},
+        )"#
+    )
+}
+
+/// A ball above a floor, from a side, under a sky whose sun is a tenth of its light.
+const BALL: &str = r#"Scene(
+    about: "A ball on a floor",
+    geometry: Objects([
+        Object(name: "floor", geometry: BuiltIn("plane")),
+        Object(name: "ball", geometry: BuiltIn("sphere"),
+            transform: Transform(translate: (0.1, 0.5, 0.0), scale: (0.3, 0.3, 0.3))),
+    ]),
+    camera: Camera(position: (0.0, 1.5, 2.0), target: (0.0, 0.2, 0.0), vertical_fov_deg: 45),
+    environment: Environment(map: BuiltIn("sky"), rotation_deg: 40),
+)"#;
+
+/// Exact maps of lights infinitely far show what rays find, but for pixels at the edges of shadows; imperfect maps have their energy.
+#[test]
+fn maps_of_skies_converge_to_rays() {
+    let folder = Folder::new(&[]);
+    folder.write("ball.ron", BALL);
+    let exact =
+        r#""maps": Pass(kind: "paraboloid-shadow-maps", in: { "lights": "sky" }, set: { "map": 256 }),"#;
+    let imperfect = |points: u32| {
+        format!(
+            r#""maps": Sub(
+                file: "parts/imperfect-shadow-maps.ron",
+                in: {{ "lights": "sky" }},
+                set: {{ "map": 128, "points_per_map": {points}, "points": 262144 }},
+            ),"#
+        )
+    };
+    let rays = r#""maps": Pass(kind: "visibility-ray-traced", in: { "lights": "sky" }),"#;
+    let picture = |name: &str, passes: &str| {
+        folder.write(&format!("{name}.ron"), &lit_by_sky("maps", passes));
+        let at = |file: &str| folder.at(file).display().to_string();
+        let mut renderer = renderer(&at(&format!("{name}.ron")), &at("ball.ron"), (48, 36), &[])?;
+        Some(shown(&mut renderer, "image"))
+    };
+    let Some(truth) = picture("rays", rays) else { return };
+    let energy = |image: &Image| mean(image)[1] / mean(&truth)[1];
+    let [exact, few, many] =
+        [("exact", exact.to_owned()), ("few", imperfect(1000)), ("many", imperfect(16000))]
+            .map(|(name, passes)| picture(name, &passes).expect("the adapter is still there"));
+    assert!((energy(&exact) - 1.0).abs() < 2e-3, "{}", energy(&exact));
+    assert!((energy(&many) - 1.0).abs() < 0.01, "{}", energy(&many));
+    let whole = mean(&truth)[1];
+    let off = |image: &Image| {
+        let pairs = image.pixels().iter().zip(truth.pixels());
+        let far = pairs.filter(|(a, b)| f64::from((a[1] - b[1]).abs()) > 0.05 * whole).count();
+        far as f64 / image.pixels().len() as f64
+    };
+    let [exact, few, many] = [exact, few, many].map(|image| off(&image));
+    assert!(
+        exact < 0.01 && many < 0.5 * few,
+        "{exact}, and with few and many points {few} and {many} of the pixels"
+    );
+}
+
+/// The shipped pipeline has the energy of path tracing under a sky with a sun.
+#[test]
+fn direct_light_of_a_sky_has_the_energy_of_path_tracing() {
+    let folder = Folder::new(&[]);
+    folder.write("ball.ron", BALL);
+    let scene = folder.at("ball.ron").display().to_string();
+    let Some(mut truth) = renderer("reference", &scene, (48, 36), &["samples=512", "filter=centre"]) else {
+        return;
+    };
+    done(&mut truth);
+    let truth = mean(&truth.output("direct").unwrap());
+    let mut renderer =
+        renderer("ism-environment", &scene, (48, 36), &["lights=512", "map=128", "points_per_map=4000"])
+            .expect("the adapter is still there");
+    let found = mean(&shown(&mut renderer, "direct"));
+    for c in 0..3 {
+        let energy = found[c] / truth[c];
+        assert!((energy - 1.0).abs() < 0.03, "channel {c}: {energy}");
+    }
 }

@@ -32,6 +32,7 @@ fn light_that_a_pipeline_leaves_out_is_noted() {
     // Photons come from emitters too.
     assert_eq!(warnings_with("instant-radiosity", &["emissive"]), "");
     assert_eq!(warnings_with("ism-area-light", &["emissive"]), "");
+    assert_eq!(warnings_with("ism-environment", &["environment"]), "");
     assert_eq!(warnings_with("reference", &["emissive", "environment", "glossy"]), "");
 }
 
