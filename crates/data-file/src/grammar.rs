@@ -12,11 +12,19 @@
 //!   variant has the value itself.
 //! - `#[serde(expecting = "…")]` is what errors say was expected.
 
+mod cursor;
 mod de;
+mod expected;
+mod format;
 mod node;
+mod outline;
 mod syntax;
 
+pub use cursor::{Cursor, Frame, Within, closed, entries, unquoted};
+pub use expected::{Expected, expected};
+pub use format::format;
 pub use node::{Node, Number, Parts, Shape};
+pub use outline::{Item, outline};
 pub use syntax::skip_blanks;
 
 use crate::codes::{self, Code};
@@ -125,22 +133,42 @@ pub fn read<T: DeserializeOwned, U>(
     file: u32,
     convert: impl FnOnce(&mut Reader<'_>, T) -> U,
 ) -> Result<U, Diagnostics> {
-    parse(source, file, |reader, node| {
-        let read = {
-            let reader = RefCell::new(&mut *reader);
-            T::deserialize(de::De::new(&reader, node))
-        };
-        match read {
-            Ok(read) => Some(convert(reader, read)),
-            Err(de::Refusal(message)) => {
-                if !message.is_empty() {
-                    let place = reader.head(reader.place(node));
-                    reader.report_bad(Diagnostic::new(&codes::WRONG_TYPE, message), place);
-                }
-                None
+    parse(source, file, |reader, node| read_node(reader, node, convert))
+}
+
+/// Reads the same of a file that may be broken: what can be read of it, with stand-ins for the rest.
+pub fn read_broken<T: DeserializeOwned, U>(
+    source: &Arc<Source>,
+    convert: impl FnOnce(&mut Reader<'_>, T) -> U,
+) -> Option<U> {
+    let mut found = None;
+    // The errors are those that reading the file as a whole one reports.
+    let _ = parse(source, 0, |reader, node| {
+        found = read_node(reader, node, convert);
+        Some(())
+    });
+    found
+}
+
+fn read_node<T: DeserializeOwned, U>(
+    reader: &mut Reader<'_>,
+    node: Node<'_>,
+    convert: impl FnOnce(&mut Reader<'_>, T) -> U,
+) -> Option<U> {
+    let read = {
+        let reader = RefCell::new(&mut *reader);
+        T::deserialize(de::De::new(&reader, node))
+    };
+    match read {
+        Ok(read) => Some(convert(reader, read)),
+        Err(de::Refusal(message)) => {
+            if !message.is_empty() {
+                let place = reader.head(reader.place(node));
+                reader.report_bad(Diagnostic::new(&codes::WRONG_TYPE, message), place);
             }
+            None
         }
-    })
+    }
 }
 
 /// Reads a file whose places carry the index `file`, and what `read` makes of its value.
@@ -152,7 +180,7 @@ pub fn parse<T>(
     file: u32,
     read: impl FnOnce(&mut Reader<'_>, Node<'_>) -> Option<T>,
 ) -> Result<T, Diagnostics> {
-    let mut reader = Reader { source, file, errors: Vec::new(), bad: HashSet::new() };
+    let mut reader = Reader { source, file, errors: Vec::new(), bad: HashSet::new(), question: None };
     if source.text.len() > MAX_TEXT {
         let message = format!("the file is larger than {} MiB", MAX_TEXT >> 20);
         reader.error(&codes::SYNTAX, Place { file, start: 0, end: 0 }, message);
@@ -201,6 +229,8 @@ pub struct Reader<'a> {
     errors: Vec<Diagnostic>,
     /// The places of values that stand-ins were given for.
     bad: HashSet<(u32, u32)>,
+    /// The position that an editor asks about.
+    question: Option<expected::Question>,
 }
 
 impl Reader<'_> {

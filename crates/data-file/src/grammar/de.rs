@@ -122,6 +122,16 @@ impl<'r, 's> De<'r, 's> {
         None
     }
 
+    /// Answers an editor's question about the value: which forms it may have, as errors write them.
+    fn answer(&self, expected: &str, variants: &[&str]) {
+        let (At::Value(node), Some(question)) = (&self.at, &mut self.reader.borrow_mut().question) else {
+            return;
+        };
+        let written: Vec<String> = words(expected).map(|(_, form)| form.to_owned()).collect();
+        let plain = || variants.iter().map(|variant| (*variant).to_owned()).collect();
+        question.value(*node, if written.is_empty() { plain() } else { written });
+    }
+
     fn missing(&self) {
         let mut reader = self.reader.borrow_mut();
         let message = format!("`{}` needs a field `{}`", self.form.unwrap_or_default(), self.key);
@@ -205,6 +215,9 @@ impl<'r, 's> De<'r, 's> {
         fields: Option<Vec<(Node<'r>, Node<'r>)>>,
         visitor: V,
     ) -> Result<V::Value> {
+        if let (At::Value(node), Some(question)) = (&self.at, &mut self.reader.borrow_mut().question) {
+            question.form(*node, known);
+        }
         let values = match fields {
             Some(fields) => self.known_fields(form, known, fields),
             None => vec![At::Bad; known.len()],
@@ -311,6 +324,7 @@ impl<'de, 'r, 's> Deserializer<'de> for De<'r, 's> {
     }
 
     fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
+        self.answer("`true` or `false`", &[]);
         let found = self.leaf("`true` or `false`", |shape| match shape {
             Shape::Bool(bool) => Some(bool),
             _ => None,
@@ -469,6 +483,7 @@ impl<'de, 'r, 's> Deserializer<'de> for De<'r, 's> {
             return visitor.visit_seq(SpannedAccess { de: Some(de), next: 0 });
         }
         let expected = self.expected(|| said(&visitor).unwrap_or_else(|| forms(&[name])));
+        self.answer(&expected, &[name]);
         let form = self.form.filter(|_| matches!(self.at, At::Value(_))).unwrap_or(name);
         let Some(node) = self.node(|| expected.clone()) else {
             return self.form(form, known, None, visitor);
@@ -497,6 +512,7 @@ impl<'de, 'r, 's> Deserializer<'de> for De<'r, 's> {
         visitor: V,
     ) -> Result<V::Value> {
         let expected = self.expected(|| said(&visitor).unwrap_or_else(|| forms(variants)));
+        self.answer(&expected, variants);
         if name == "$shape" {
             let at = match &self.at {
                 At::Value(node) => self.shaped(*node, variants),

@@ -156,7 +156,7 @@ fn blank(text: &mut Cow<'_, str>, range: Range<usize>) {
     text.to_mut().replace_range(range, &blanks);
 }
 
-fn closing(open: &str) -> char {
+pub(super) fn closing(open: &str) -> char {
     match open.as_bytes().first() {
         Some(b'(') => ')',
         Some(b'[') => ']',
@@ -259,7 +259,7 @@ pub fn skip_blanks(text: &str, mut at: usize) -> usize {
 }
 
 /// Returns the end of the token that begins at `at`; none where it is a text without an end.
-fn token_end(text: &str, at: usize) -> Option<usize> {
+pub(super) fn token_end(text: &str, at: usize) -> Option<usize> {
     let rest = &text[at..];
     let word = rest.find(|c: char| !(c == '_' || c.is_alphanumeric())).unwrap_or(rest.len());
     let quoted = &rest[word..];
