@@ -3,6 +3,11 @@
 mod form;
 mod grammar;
 mod read;
+mod symbols;
+mod wanted;
+
+pub use symbols::{Symbol, SymbolKind};
+pub use wanted::{TypedPass, Wanted, first, typed_pass, wanted};
 
 pub(crate) use form::{
     At, Body, Dim, Entry, Formula, Group, HistoryPolicy, InputDecl, Link, Off, OutDecl, OutputDecl,
@@ -10,6 +15,8 @@ pub(crate) use form::{
 };
 pub(crate) use read::{out_overrides, parse_file};
 
+use self::grammar::PipelineFile;
+use data_file::grammar::{Expected, Spanned};
 use data_file::{Diagnostics, Source, Value};
 use std::sync::Arc;
 
@@ -34,6 +41,16 @@ pub struct Description {
 /// If the text is not RON, or not a pipeline.
 pub fn parse(source: Arc<Source>) -> Result<Description, Diagnostics> {
     parse_file(source, 0)
+}
+
+/// Reads what can be read of a pipeline file that may be broken: stand-ins take the place of the rest.
+pub fn parse_broken(source: &Arc<Source>) -> Option<Description> {
+    read::parse_broken(source)
+}
+
+/// Returns which fields and forms may stand at a byte of a pipeline file.
+pub fn expected(text: &str, at: usize) -> Expected {
+    data_file::grammar::expected::<Spanned<PipelineFile>>(text, at)
 }
 
 impl Description {

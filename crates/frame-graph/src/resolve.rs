@@ -9,12 +9,14 @@ mod localise;
 mod locate;
 mod lost;
 mod old;
+mod ports;
 mod print;
 mod settable;
 mod unused;
 mod variant;
 
 pub use diff::{Difference, diff};
+pub use locate::named;
 pub use settable::Settable;
 pub use variant::variant;
 

@@ -15,7 +15,7 @@ use crate::expression::{self, Expr, ExprError, ExprKind, parse_scale};
 use crate::frame::ResetCause;
 use crate::port::OutputOverride;
 use crate::resource::Format;
-use data_file::grammar::{Entries, Number, Reader, Spanned, read};
+use data_file::grammar::{Entries, Number, Reader, Spanned, read, read_broken};
 use data_file::{Diagnostics, Name, Place, Source, Value, ValueType};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -26,6 +26,11 @@ const PREV: &str = "prev ";
 /// Reads a file whose places carry the index `file`.
 pub(crate) fn parse_file(source: Arc<Source>, file: u32) -> Result<Description, Diagnostics> {
     read(&source, file, |reader, file| Checks { reader }.pipeline(file))
+}
+
+/// Reads what can be read of a file.
+pub(super) fn parse_broken(source: &Arc<Source>) -> Option<Description> {
+    read_broken(source, |reader, file| Checks { reader }.pipeline(file))
 }
 
 /// The checks of the values of a file. What is wrong is reported, and a stand-in takes its place until the file is

@@ -1,5 +1,6 @@
 //! Which file a name in a file means.
 
+use super::Files;
 use super::flatten::Resolver;
 use crate::codes;
 use crate::description::{Body, Description, PassDecl, parse_file};
@@ -8,6 +9,17 @@ use data_file::{Diagnostic, Name, Place, Source, why_unreadable};
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
+
+/// Returns the file that the file `by` means by a path: one beside it, or else one of a root.
+pub fn named(path: &str, by: &str, files: &dyn Files) -> Option<Arc<Source>> {
+    let allowed = |meant: &str| may_name(Path::new(by), Path::new(meant), &files.roots());
+    let Some(own) = beside(by, path) else { return files.read(path).filter(|_| allowed(path)) };
+    let explicit = is_from_own_folder(path);
+    match files.at(&own).filter(|source| explicit || source.name != by) {
+        Some(source) => Some(source).filter(|source| allowed(&source.name)),
+        None => files.read(path).filter(|_| !explicit),
+    }
+}
 
 /// What a name in a file means.
 #[derive(Clone, Debug)]

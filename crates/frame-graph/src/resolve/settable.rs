@@ -4,7 +4,7 @@ use super::{Parameter, Resolved};
 use crate::codes;
 use crate::description::{Set, SetValue};
 use crate::port::PassTypes;
-use data_file::{Diagnostic, Name, Setting, Value};
+use data_file::{Diagnostic, Name, Setting, Span, Value};
 use rustc_hash::FxHashMap;
 
 /// Something that a value can be given to from outside.
@@ -42,6 +42,23 @@ impl Resolved {
         let mut found: Vec<Settable> = own.chain(parts).collect();
         found.append(&mut passes);
         found
+    }
+
+    /// Returns where the value of one of [`Resolved::settable`] was given; `None` where it is the default of the pass type.
+    pub fn given_at(&self, path: &str) -> Option<Span> {
+        let (owner, name) = path.rsplit_once('.').unwrap_or(("", path));
+        let of = |parameters: &[Parameter]| {
+            parameters.iter().rev().find(|p| p.setting.name == name && p.value.is_some()).map(|p| p.place)
+        };
+        let part = || self.part_parameters.iter().find(|(part, _)| part == owner);
+        let place = match self.index.get(owner).map(|i| &self.nodes[*i as usize].decl) {
+            _ if owner.is_empty() => of(&self.parameters),
+            Some(decl) if !decl.set.is_empty() && part().is_none() => {
+                decl.set.iter().find(|set| set.name.value == name).map(|set| set.place)
+            }
+            _ => part().and_then(|(_, parameters)| of(parameters)),
+        };
+        place.map(|place| self.sources.span(place))
     }
 
     /// Calls `f` with every setting of every pass, and its value where one is known; notes which parameters are
