@@ -88,6 +88,25 @@ struct Reflected {
     scene_bindings: SceneBindings,
 }
 
+/// Returns the shader of a file by itself, with a stand-in for each interface whose module it imports; `main` is the main
+/// file of its folder, which declares the ports.
+///
+/// # Errors
+/// A file that cannot be composed, and an interface that has no modules.
+pub fn by_itself(
+    shaders: &crate::Library,
+    interfaces: &[crate::Interface],
+    path: &str,
+    main: &str,
+) -> Result<Request, PassTypeError> {
+    let outputs = std::collections::BTreeMap::new();
+    let use_ = frame_graph::Use { kind: "", shader: None, inputs: &[], outputs: &outputs };
+    let cx = UseContext { use_, shaders, interfaces };
+    let main = MainShader { path: main.to_owned(), request: Request::new(main), stage: None, folder: None };
+    let declared = options::declared(&cx, &main)?;
+    options::stand_in(&cx, &main, &Request::new(path), &declared).map(|(request, _)| request)
+}
+
 /// Returns the settings of a use: the options of its shaders, and what `struct Settings` declares in any variant.
 ///
 /// # Errors

@@ -82,7 +82,8 @@ pub enum ThreadCount {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Amount(pub String);
 
-const KEYS: [&str; 10] =
+/// The words of attributes.
+pub const KEYS: [&str; 10] =
     ["threads", "repeat", "items", "iterations", "scratch", "sampled", "reads", "count", "size", "cleared"];
 /// The keys that stand without a value.
 const WORDS: [&str; 3] = ["scratch", "sampled", "cleared"];

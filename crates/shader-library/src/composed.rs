@@ -1,8 +1,8 @@
 //! A composed text with its origins, and errors in it reported at the user's own lines.
 
-use crate::directive::Define;
+use crate::directive::{self, Define, Directive};
 use crate::line_map::{LineMap, span};
-use crate::port::DeclaredPort;
+use crate::port::{self, DeclaredPort};
 use data_file::codes::Code;
 use data_file::{Diagnostic, Label, Setting, Source, Span, Value};
 use std::collections::{BTreeMap, BTreeSet};
@@ -22,6 +22,24 @@ pub struct Outline {
     pub outputs: Vec<DeclaredPort>,
     /// Paths of all files that take part.
     pub files: Vec<String>,
+}
+
+impl Outline {
+    /// Returns the ports that the lines of one text declare that can be read: of a text that is half typed.
+    pub fn of_broken(source: &Arc<Source>) -> Outline {
+        let mut outline = Outline { files: vec![source.name.clone()], ..Outline::default() };
+        let (text, mut at) = (&source.text, 0);
+        for line in text.split_inclusive('\n') {
+            if line.trim_start().starts_with('#') {
+                let whole = &text[at..at + port::extent(&text[at..], line.len())];
+                if let Ok(Directive::Port { input, port, .. }) = directive::parse(source, whole, at) {
+                    if input { &mut outline.inputs } else { &mut outline.outputs }.push(port);
+                }
+            }
+            at += line.len();
+        }
+        outline
+    }
 }
 
 /// An `#option`: a choice between variants.

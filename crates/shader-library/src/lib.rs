@@ -30,7 +30,9 @@ mod shader;
 mod thread_order;
 mod watch;
 
-pub use attributes::{Amount, Attributes, EntryAttributes, GlobalAttributes, ThreadCount};
+pub use attributes::{
+    Amount, Attributes, EntryAttributes, GlobalAttributes, KEYS as ATTRIBUTES, ThreadCount,
+};
 pub use composed::{Outline, ShaderOption};
 pub use directive::Define;
 pub use files::{DiskFiles, MemoryFiles, Overlay, ShaderFiles, files_under};
@@ -40,6 +42,7 @@ pub use interface::{
 pub use layout::{MemberLayout, StructLayout, WriteError, write_struct};
 pub use library::{FileInfo, Library, MAX_VARIANTS, Request};
 pub use port::{Argument, DeclaredPort, FormulaText};
+pub use scan::{declaration, declared};
 pub use settings::setting_name;
 pub use shader::Shader;
 pub use watch::{WatchError, Watcher};

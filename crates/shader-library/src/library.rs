@@ -148,6 +148,7 @@ impl Library {
         if let Some(made) = lock(&self.made).get(request) {
             return made.shader.clone();
         }
+        let generation = self.generation();
         let composing = tracing::info_span!(target: "phase", "shaders read and composed").entered();
         let (touched, composed) = compose(&*self.files, &self.roots, request, false);
         drop(composing);
@@ -155,7 +156,11 @@ impl Library {
         if let Err(errors) = &shader {
             tracing::debug!(path = request.path, errors = errors.0.len(), "shader refused");
         }
-        lock(&self.made).insert(request.clone(), Made { shader: shader.clone(), touched });
+        let mut made = lock(&self.made);
+        // What was read before a file changed is not kept for those who load it afterwards.
+        if generation == self.generation() {
+            made.insert(request.clone(), Made { shader: shader.clone(), touched });
+        }
         shader
     }
 
@@ -168,9 +173,13 @@ impl Library {
         if let Some(made) = lock(&self.outlines).get(request) {
             return made.outline.clone();
         }
+        let generation = self.generation();
         let (touched, composed) = compose(&*self.files, &self.roots, request, true);
         let outline = composed.map(|composed| Arc::new(composed.outline));
-        lock(&self.outlines).insert(request.clone(), MadeOutline { outline: outline.clone(), touched });
+        let mut outlines = lock(&self.outlines);
+        if generation == self.generation() {
+            outlines.insert(request.clone(), MadeOutline { outline: outline.clone(), touched });
+        }
         outline
     }
 

@@ -237,6 +237,75 @@ pub(crate) fn find_documented(text: &str) -> Vec<FoundDeclaration> {
     found
 }
 
+/// Returns where a name is declared: a function, a type, a variable or a constant outside of functions, a member of a
+/// struct, or what a directive declares. The text need not be whole.
+pub fn declaration(text: &str, name: &str) -> Option<Range<usize>> {
+    let mut lexemes = lexemes(text).peekable();
+    let (mut depth, mut in_struct, mut keyword, mut member) = (0_u32, false, None, None);
+    while let Some((lexeme, at)) = lexemes.next() {
+        let range = at..at + name.len();
+        match lexeme {
+            Lexeme::Symbol('{') => depth += 1,
+            Lexeme::Symbol('}') => {
+                depth = depth.saturating_sub(1);
+                in_struct &= depth > 0;
+            }
+            // `var<storage> name`
+            Lexeme::Symbol('<') if keyword == Some("var") => {
+                lexemes.by_ref().find(|(lexeme, _)| *lexeme == Lexeme::Symbol('>'));
+                continue;
+            }
+            Lexeme::Word(word) => {
+                let declares =
+                    ["fn", "struct", "const", "override", "alias", "var", "option", "input", "output"];
+                let is_member = depth == 1 && in_struct;
+                if word == name && depth == 0 && keyword.is_some_and(|keyword| declares.contains(&keyword)) {
+                    return Some(range);
+                }
+                if word == name
+                    && is_member
+                    && lexemes.peek().is_some_and(|next| next.0 == Lexeme::Symbol(':'))
+                {
+                    member.get_or_insert(range);
+                }
+                in_struct |= depth == 0 && word == "struct";
+                keyword = Some(word);
+                continue;
+            }
+            Lexeme::Symbol(_) | Lexeme::Doc(_) => {}
+        }
+        keyword = None;
+    }
+    member
+}
+
+/// Returns the names that a text declares outside of functions, each with what declares it.
+pub fn declared(text: &str) -> Vec<(&str, &str)> {
+    let (mut depth, mut keyword, mut found) = (0_u32, None, Vec::new());
+    let mut lexemes = lexemes(text);
+    while let Some((lexeme, _)) = lexemes.next() {
+        match lexeme {
+            Lexeme::Symbol('{') => depth += 1,
+            Lexeme::Symbol('}') => depth = depth.saturating_sub(1),
+            Lexeme::Symbol('<') if keyword == Some("var") => {
+                lexemes.by_ref().find(|(lexeme, _)| *lexeme == Lexeme::Symbol('>'));
+                continue;
+            }
+            Lexeme::Word(word) => {
+                let declares = ["fn", "struct", "const", "override", "alias", "var", "option"];
+                if let Some(keyword) = keyword.filter(|keyword| depth == 0 && declares.contains(keyword)) {
+                    found.push((keyword, word));
+                }
+                keyword = Some(word);
+                continue;
+            }
+            Lexeme::Symbol(_) | Lexeme::Doc(_) => {}
+        }
+        keyword = None;
+    }
+    found
+}
+
 /// Returns where `word` first stands alone.
 pub(crate) fn find_word(text: &str, word: &str) -> Option<usize> {
     lexemes(text).find(|(lexeme, _)| *lexeme == Lexeme::Word(word)).map(|(_, at)| at)
