@@ -4,21 +4,60 @@ use data_file::read_text;
 use frame_graph::Source;
 use frame_graph::resolve::Files;
 use std::collections::{BTreeMap, BTreeSet};
+use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, PoisonError, RwLock};
 
-/// The source of pipelines, shaders and scenes.
+/// The source of pipelines, shaders and scenes. Clones share the texts of [`Assets::set_open`].
 #[derive(Clone, Debug)]
 pub struct Assets {
     root: Option<PathBuf>,
     embedded: BTreeMap<&'static str, &'static str>,
+    open: Arc<RwLock<BTreeMap<PathBuf, Arc<str>>>>,
+    read: Arc<AtomicU64>,
 }
 
 impl Assets {
     /// Creates assets with a folder on disk, whose files take precedence over the embedded ones; `None` for embedded
     /// files alone.
     pub fn new(root: Option<PathBuf>) -> Assets {
-        Assets { root, embedded: crate::EMBEDDED.iter().copied().collect() }
+        let embedded = crate::EMBEDDED.iter().copied().collect();
+        Assets { root, embedded, open: Arc::default(), read: Arc::default() }
+    }
+
+    /// Lays a text over the file at a path, which need not be there: what an editor has and has not saved. `None` takes it
+    /// away again.
+    pub fn set_open(&self, path: &Path, text: Option<&str>) {
+        let mut open = self.open.write().unwrap_or_else(PoisonError::into_inner);
+        match text {
+            Some(text) => open.insert(place(path), text.into()),
+            None => open.remove(&place(path)),
+        };
+    }
+
+    /// Returns the text that lies over the file at a path.
+    fn open_text(&self, path: &Path) -> Option<Arc<str>> {
+        let open = self.open.read().unwrap_or_else(PoisonError::into_inner);
+        if open.is_empty() { None } else { open.get(&place(path)).cloned() }
+    }
+
+    /// Reads a text from disk, or the one that lies over it.
+    ///
+    /// # Errors
+    /// As [`read_text`].
+    pub fn read(&self, path: &Path) -> io::Result<String> {
+        let text = match self.open_text(path) {
+            Some(text) => text.to_string(),
+            None => read_text(path)?,
+        };
+        self.read.fetch_add(text.len() as u64, Ordering::Relaxed);
+        Ok(text)
+    }
+
+    /// Returns how many bytes were read from disk, or of texts that lie over it: the work of an answer follows from these.
+    pub fn bytes_read(&self) -> u64 {
+        self.read.load(Ordering::Relaxed)
     }
 
     /// Adds embedded files, as path from the root of the tree and text: for a crate outside the tree that adds passes.
@@ -56,17 +95,23 @@ impl Assets {
             .root
             .as_ref()
             .filter(|_| is_below_root(path))
-            .and_then(|root| read_text(&root.join(path)).ok());
+            .and_then(|root| self.read(&root.join(path)).ok());
         on_disk
             .or_else(|| self.embedded.get(path).map(|text| (*text).to_owned()))
-            .or_else(|| read_text(Path::new(path)).ok())
+            .or_else(|| self.read(Path::new(path)).ok())
     }
 
     /// Returns whether there is a file at a path, where [`Assets::text`] looks for it.
     pub fn has(&self, path: &str) -> bool {
+        let is_file = |path: &Path| path.is_file() || self.open_text(path).is_some();
         let in_root =
-            self.root.as_ref().filter(|_| is_below_root(path)).is_some_and(|root| root.join(path).is_file());
-        in_root || self.embedded.contains_key(path) || Path::new(path).is_file()
+            self.root.as_ref().filter(|_| is_below_root(path)).is_some_and(|root| is_file(&root.join(path)));
+        in_root || self.embedded.contains_key(path) || is_file(Path::new(path))
+    }
+
+    /// Returns the text that is embedded in the program for a path from the root.
+    pub fn embedded(&self, path: &str) -> Option<&'static str> {
+        self.embedded.get(path).copied()
     }
 
     /// Paths of all files below a folder of the root, embedded or on disk, with that extension; sorted.
@@ -97,6 +142,15 @@ impl Assets {
         }
         found.into_iter().collect()
     }
+}
+
+/// Returns the one path of a file, through whatever links and from whatever folder it is named.
+fn place(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| {
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let folder = path.parent().and_then(|folder| folder.canonicalize().ok());
+        folder.zip(path.file_name()).map_or(path.clone(), |(folder, name)| folder.join(name))
+    })
 }
 
 /// Whether a path from the root leads to what is in it.
@@ -186,5 +240,9 @@ impl Files for SceneAssets {
 impl scene::SceneFiles for SceneAssets {
     fn folder(&self) -> PathBuf {
         self.0.root().map_or_else(PathBuf::new, |root| root.join("scenes"))
+    }
+
+    fn on_disk(&self, path: &Path) -> io::Result<String> {
+        self.0.read(path)
     }
 }

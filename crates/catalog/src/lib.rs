@@ -4,9 +4,11 @@
 mod assets;
 mod listing;
 mod pass_types;
+mod sort;
 
 pub use assets::{Assets, PipelineFiles, SceneAssets, ShaderAssets};
 pub use listing::Named;
 pub use pass_types::Catalog;
+pub use sort::Sort;
 
 include!(concat!(env!("OUT_DIR"), "/catalog.rs"));

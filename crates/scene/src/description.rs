@@ -9,6 +9,7 @@ use crate::camera::Camera;
 use crate::light::Light;
 use crate::model::Transform;
 
+pub use grammar::expected;
 pub(crate) use grammar::parse;
 
 /// A scene file whose values are valid by themselves. Its places are relative to an origin: those of the camera, of

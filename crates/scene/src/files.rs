@@ -1,7 +1,8 @@
 //! The source of scene descriptions.
 
-use data_file::Files;
-use std::path::PathBuf;
+use data_file::{Files, read_text};
+use std::io;
+use std::path::{Path, PathBuf};
 
 /// Access to the scene descriptions, by paths relative to the scenes' folder (`cornell-box.ron`).
 pub trait SceneFiles: Files {
@@ -9,5 +10,13 @@ pub trait SceneFiles: Files {
     /// default is the working folder.
     fn folder(&self) -> PathBuf {
         PathBuf::new()
+    }
+
+    /// Reads the description at a path on disk, or what an editor lays over it.
+    ///
+    /// # Errors
+    /// As [`read_text`].
+    fn on_disk(&self, path: &Path) -> io::Result<String> {
+        read_text(path)
     }
 }

@@ -43,6 +43,7 @@ mod units;
 
 pub use built_in::names as built_in_names;
 pub use camera::Camera;
+pub use description::expected;
 pub use edit::{CameraKey, LightKey, SceneEdit, SceneKeys, edited, keys_of, save, scene_file_for};
 pub use emitters::Emitters;
 pub use environment::Environment;

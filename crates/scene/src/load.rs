@@ -8,7 +8,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 
 use crate::codes;
-use data_file::{Diagnostic, Diagnostics, Place, Source, Span, nearest, read_text};
+use data_file::{Diagnostic, Diagnostics, Place, Source, Span, nearest};
 use glam::DVec3;
 
 use crate::animation::{Animated, Between, Outside, Track};
@@ -99,7 +99,7 @@ pub fn about(spec: &str, files: &dyn SceneFiles) -> Result<String, SceneError> {
 fn find(spec: &str, files: &dyn SceneFiles) -> Result<(Arc<Source>, PathBuf, Option<PathBuf>), SceneError> {
     let path = Path::new(spec);
     if path.extension().is_some_and(|e| e == "ron") {
-        match read_text(path) {
+        match files.on_disk(path) {
             Ok(text) => {
                 let folder = path.parent().map(PathBuf::from).unwrap_or_default();
                 return Ok((Arc::new(Source { name: spec.into(), text }), folder, Some(path.into())));

@@ -7,6 +7,7 @@ mod read;
 use crate::measure::Measure;
 use crate::record::AxisValue;
 use data_file::codes::Code;
+use data_file::grammar::Expected;
 use data_file::{Diagnostic, Diagnostics, Source, Span};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::sync::Arc;
@@ -242,6 +243,11 @@ pub const SIZE: &str = "size";
 pub const SEED: &str = "seed";
 /// What a claim of growth may be over besides the axes of the study: the number of triangles of its scenes.
 pub const TRIANGLES: &str = "triangles";
+
+/// Returns which fields and forms may stand at a byte of a study file.
+pub fn expected(text: &str, at: usize) -> Expected {
+    read::expected(text, at)
+}
 
 /// Reads a study. All errors of the file are reported at once.
 ///

@@ -2,6 +2,7 @@
 
 use crate::start::Phases;
 use anyhow::{Result, anyhow, bail};
+pub(crate) use catalog::Sort;
 use frame_graph::resolve::Files as _;
 use frame_graph::{Overrides, Traits, Value, nearest};
 use renderer::{Assets, Catalog, parse_value};
@@ -54,36 +55,6 @@ impl Context {
     /// Returns the traits of a scene; those of the plainest scene if none is named.
     pub(crate) fn traits(&self, scene: Option<&str>) -> Result<Traits> {
         Ok(renderer::load_scene(&self.catalog, scene.unwrap_or("cornell-box"))?.traits())
-    }
-}
-
-/// What a name on the command line may mean.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Sort {
-    Pipeline,
-    Study,
-    Scene,
-}
-
-impl Sort {
-    /// A name that means several of them means the first.
-    pub(crate) const ALL: [Sort; 3] = [Sort::Pipeline, Sort::Study, Sort::Scene];
-
-    fn name(self) -> &'static str {
-        match self {
-            Sort::Pipeline => "pipeline",
-            Sort::Study => "study",
-            Sort::Scene => "scene",
-        }
-    }
-
-    /// Returns what a `.ron` file describes, by its first word.
-    fn of_text(text: &str) -> Option<Sort> {
-        let mut lines = text.lines().map(str::trim);
-        let code =
-            lines.find(|line| !(line.is_empty() || line.starts_with("//") || line.starts_with("#!")))?;
-        let word = code.split(|c: char| !c.is_alphanumeric()).next()?.to_lowercase();
-        Sort::ALL.into_iter().find(|sort| sort.name() == word)
     }
 }
 

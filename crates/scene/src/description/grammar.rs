@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::codes;
-use data_file::grammar::{Entries, Number, Reader, Spanned, read};
+use data_file::grammar::{Entries, Expected, Number, Reader, Spanned, read};
 use data_file::paths::{OUTSIDE, may_name};
 use data_file::{Diagnostic, Diagnostics, Place, Source};
 use glam::{DVec3, Quat, Vec3};
@@ -32,6 +32,11 @@ pub(crate) fn parse(
     origin: DVec3,
 ) -> Result<Description, Diagnostics> {
     read(source, 0, |reader, file| Checks { reader, folder, origin, objects: BTreeMap::new() }.scene(file))
+}
+
+/// Returns which fields and forms may stand at a byte of a scene file.
+pub fn expected(text: &str, at: usize) -> Expected {
+    data_file::grammar::expected::<SceneFile>(text, at)
 }
 
 #[derive(Deserialize)]

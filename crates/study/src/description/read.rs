@@ -10,7 +10,7 @@ use crate::codes;
 use crate::measure::Measure;
 use crate::record::AxisValue;
 use claims::ClaimFile;
-use data_file::grammar::{Entries, Number, Reader, Spanned, read};
+use data_file::grammar::{Entries, Expected, Number, Reader, Spanned, read};
 use data_file::{Diagnostic, Diagnostics, Place, Source, Span};
 use serde::Deserialize;
 use std::sync::Arc;
@@ -32,6 +32,11 @@ type Text = Spanned<String>;
 type Whole = Spanned<i128>;
 type Names = Spanned<Vec<Text>>;
 type Sets = Entries<Given<Spanned<ValueFile>>>;
+
+/// Returns which fields and forms may stand at a byte of a study file.
+pub(super) fn expected(text: &str, at: usize) -> Expected {
+    data_file::grammar::expected::<StudyFile>(text, at)
+}
 
 #[derive(Deserialize)]
 #[serde(rename = "Study")]
