@@ -18,6 +18,7 @@ mod guides;
 mod incremental;
 mod lamps;
 mod linking;
+mod lsp;
 mod pairs;
 mod pictures;
 mod points;

@@ -46,6 +46,10 @@ enum Command {
     Render(command::render::Args),
     /// Check pipelines, their shaders, scenes and studies, without a GPU
     Check(command::check::Args),
+    /// Lay out RON files: spaces, indentation and commas
+    Fmt(command::fmt::Args),
+    /// Answer an editor by the Language Server Protocol: completion, errors, definitions
+    Lsp(command::lsp::Args),
     /// Draw the compiled graph of a pipeline: order, sizes, memory, reason for each pass
     Graph(command::graph::Args),
     /// Print a pipeline as one file, each value with its origin
@@ -140,12 +144,15 @@ fn main() -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
+    let root = cli.root.clone();
     let context = context::Context::new(cli.root, cli.json, phases);
     let done = match &cli.command {
         #[cfg(feature = "window")]
         Command::View(args) => command::view::run(&context, args),
         Command::Render(args) => command::render::run(&context, args),
         Command::Check(args) => command::check::run(&context, args),
+        Command::Fmt(args) => command::fmt::run(&context, args),
+        Command::Lsp(args) => command::lsp::run(root, &context, args),
         Command::Graph(args) => command::graph::run(&context, args),
         Command::Resolve(args) => command::resolve::run(&context, args),
         Command::Diff(args) => command::diff::run(&context, args),

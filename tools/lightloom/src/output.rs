@@ -105,7 +105,7 @@ pub(crate) fn errors(error: &anyhow::Error) -> Value {
 }
 
 /// Returns the errors in files, if an error is about files.
-fn diagnostics<'e>(error: &'e (dyn std::error::Error + 'static)) -> Option<&'e Diagnostics> {
+pub(crate) fn diagnostics<'e>(error: &'e (dyn std::error::Error + 'static)) -> Option<&'e Diagnostics> {
     let of_scene = |error: &'e SceneError| match error {
         SceneError::Description(diagnostics) => Some(diagnostics),
         _ => None,

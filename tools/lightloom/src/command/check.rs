@@ -8,7 +8,7 @@ use anyhow::{Result, anyhow, bail};
 use data_file::why_unreadable;
 use frame_graph::resolve::Files;
 use frame_graph::{
-    Diagnostic, Diagnostics, LinkContext, Overrides, Severity, Traits, nearest_of_few, resolve,
+    Diagnostic, Diagnostics, LinkContext, Overrides, Severity, Source, Span, Traits, nearest_of_few, resolve,
 };
 use renderer::{Catalog, Compiled, load_scene};
 use serde_json::{Value, json};
@@ -60,19 +60,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         let (mut warnings, mut repairs) = (Diagnostics::default(), Vec::new());
         let result = match sort {
             None => Err(not_there(name, [&scenes, &pipelines, &studies])),
-            Some(Sort::Study) => check_study(context, name, &mut traits, &mut warnings),
-            Some(Sort::Scene) => load_scene(catalog, name)
-                .map(|scene| {
-                    repairs.clone_from(&scene.repairs);
-                    format!("scene of {} triangles", scene.triangles())
-                })
-                .map_err(Into::into),
-            Some(Sort::Pipeline) => {
-                for scene in &judged {
-                    know_traits(catalog, scene, &mut traits)?;
-                }
-                check_pipeline(catalog, name, &judged, &traits, &mut warnings).map_err(Into::into)
-            }
+            Some(sort) => check(context, (sort, name), &judged, &mut traits, &mut warnings, &mut repairs),
         };
         if args.names.is_empty() {
             // Among all files, notes are about what is meant.
@@ -101,6 +89,66 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         bail!("{failed} of {} failed", results.len());
     }
     Ok(())
+}
+
+/// Checks one file; returns a description.
+fn check(
+    context: &Context,
+    (sort, name): (Sort, &str),
+    scenes: &[&String],
+    traits: &mut BTreeMap<String, Traits>,
+    warnings: &mut Diagnostics,
+    repairs: &mut Vec<String>,
+) -> Result<String> {
+    let catalog = &context.catalog;
+    match sort {
+        Sort::Study => check_study(context, name, traits, warnings),
+        Sort::Scene => {
+            let scene = load_scene(catalog, name)?;
+            repairs.clone_from(&scene.repairs);
+            Ok(format!("scene of {} triangles", scene.triangles()))
+        }
+        Sort::Pipeline => {
+            for scene in scenes {
+                know_traits(catalog, scene, traits)?;
+            }
+            Ok(check_pipeline(catalog, name, scenes, traits, warnings)?)
+        }
+    }
+}
+
+/// Returns all errors, warnings and notes of a file, for an editor: `traits` has those of the scenes that were loaded.
+pub(crate) fn diagnostics(
+    context: &Context,
+    (sort, name): (Sort, &str),
+    scene: &String,
+    traits: &mut BTreeMap<String, Traits>,
+) -> Vec<Diagnostic> {
+    // The files that a scene names are found from its path.
+    let in_root = context.catalog.assets().root().map(|root| root.join(name));
+    let path = in_root.filter(|path| sort == Sort::Scene && path.exists());
+    let path = path.map_or_else(|| name.to_owned(), |path| path.to_string_lossy().into_owned());
+    let (mut warnings, mut repairs) = (Diagnostics::default(), Vec::new());
+    let mut all = match check(context, (sort, &path), &[scene], traits, &mut warnings, &mut repairs) {
+        Ok(_) => Vec::new(),
+        Err(error) => match error.chain().find_map(output::diagnostics) {
+            Some(Diagnostics(errors)) => errors.clone(),
+            None => vec![at_start(name, Severity::Error, format!("{error:#}"))],
+        },
+    };
+    all.extend(warnings.0);
+    all.extend(repairs.into_iter().map(|repair| at_start(name, Severity::Note, repair)));
+    let places = all.iter_mut().flat_map(|found| &mut found.labels).map(|label| &mut label.span);
+    for span in places.filter(|span| span.source.name == path && path != name) {
+        span.source = Source::new(name, &*span.source.text);
+    }
+    all
+}
+
+/// Returns what is said of a file as a whole.
+fn at_start(name: &str, severity: Severity, message: String) -> Diagnostic {
+    let span = Span { source: Source::new(name, ""), start: 0, end: 0 };
+    Diagnostic { code: "", severity, message, labels: Vec::new(), notes: Vec::new() }.label(span, "")
 }
 
 /// Returns a result for programs.

@@ -14,6 +14,7 @@ const WITHOUT_GPU: &[&str] = &[
     "shader-library",
     "pass",
     "interfaces",
+    "language-server",
     "gpu-algorithms",
     "study",
     "stress",
