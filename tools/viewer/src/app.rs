@@ -1,6 +1,7 @@
 //! The application: the content of the window, and its reaction to input.
 
 use crate::action::{Action, Tab, View, table};
+use crate::editor::Editor;
 use crate::engine::{Command, Engine, Look, Measures, Published, SceneView, SideId, Start};
 use crate::palette::Palette;
 use crate::panel;
@@ -117,6 +118,8 @@ pub(crate) struct App {
     /// Whether camera and lights are held as they were written into the scene's file: the scene's own are shown as soon as it
     /// is read again, so that the next change of the file is seen.
     pub(crate) holds_what_is_saved: bool,
+    /// Where the places of errors are opened.
+    pub(crate) editor: Option<Editor>,
     /// When the window was opened.
     pub(crate) begun: Instant,
     /// Milliseconds that the interface took, averaged.
@@ -169,6 +172,7 @@ impl App {
             writing: panel::write::Writing::default(),
             saving: None,
             holds_what_is_saved: false,
+            editor: None,
             begun: Instant::now(),
             interface_ms: 0.0,
             library,

@@ -11,6 +11,7 @@
 mod action;
 mod app;
 mod camera;
+mod editor;
 mod engine;
 mod painter;
 mod palette;
@@ -42,6 +43,8 @@ pub struct Options {
     pub overrides: Overrides,
     /// Seed of all random numbers.
     pub seed: u32,
+    /// The command that opens the place of an error: words, in which `{file}`, `{line}` and `{column}` are put in.
+    pub editor: Option<String>,
     /// The file for the state of the window; `None` for the user's data folder.
     pub state: Option<PathBuf>,
 }
@@ -106,7 +109,7 @@ pub fn run(options: Options) -> Result<(), ViewError> {
                 painter::install(&context.egui_ctx, state);
             }
             let remembered = Remembered::load(context.storage);
-            let Options { catalog, pipeline, scene, overrides, seed, .. } = options;
+            let Options { catalog, pipeline, scene, overrides, seed, editor, .. } = options;
             let start = engine::Start {
                 catalog,
                 pipeline: pipeline.unwrap_or_else(|| remembered.pipeline.clone()),
@@ -115,7 +118,9 @@ pub fn run(options: Options) -> Result<(), ViewError> {
                 size: (320, 240),
                 seed,
             };
-            Ok(Box::new(App::new(&context.egui_ctx, start, remembered)))
+            let mut app = App::new(&context.egui_ctx, start, remembered);
+            app.editor = editor.map(editor::Editor);
+            Ok(Box::new(app))
         }),
     )
     .map_err(ViewError::Window)

@@ -294,3 +294,32 @@ fn of_places_of_a_slider_only_the_last_counts() {
     assert!(!Command::Camera(None, false).supersedes(&Command::Camera(None, true)), "a cut is not forgotten");
     assert!(!Command::Play(true).supersedes(&Command::Play(false)));
 }
+
+/// An error in the window has the text of `check`; a click on its place opens the user's editor there.
+#[cfg(unix)]
+#[test]
+fn a_click_on_an_error_opens_its_place() {
+    let folder = tempfile::tempdir().unwrap();
+    let (pipeline, opened_at) = (folder.path().join("broken.ron"), folder.path().join("opened"));
+    std::fs::write(&pipeline, "Pipeline(extends: \"ism.ron\",\n    patch: [Remove(\"filtr\")])").unwrap();
+    let script = folder.path().join("editor");
+    std::fs::write(
+        &script,
+        format!("#!/bin/sh\necho \"$1\" > {}.new\nmv {0}.new {0}\n", opened_at.display()),
+    )
+    .unwrap();
+    std::fs::set_permissions(&script, std::os::unix::fs::PermissionsExt::from_mode(0o755)).unwrap();
+    let name = pipeline.to_string_lossy().into_owned();
+    let Some(mut harness) = opened(&name, "cornell-box") else { return };
+    harness.step();
+    harness.state_mut().editor =
+        Some(crate::editor::Editor(format!("{} {{file}}:{{line}}:{{column}}", script.display())));
+    pump(&mut harness, |app| !app.now.troubles.is_empty());
+    let catalog = harness.state().catalog.clone();
+    let checked = frame_graph::resolve(&name, catalog.pipelines(), &Overrides::default()).unwrap_err();
+    assert!(harness.state().now.troubles[0].text.contains(&checked.to_string()));
+    harness.run_steps(4);
+    harness.get_by_label_contains("┌─ ").click();
+    pump(&mut harness, |_| opened_at.exists());
+    assert_eq!(std::fs::read_to_string(&opened_at).unwrap().trim(), format!("{name}:2:20"));
+}

@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
   lightloom view
   lightloom view ism-invtm atrium
   lightloom view my.ron model.glb --set lights=256
+  lightloom view my.ron --editor \"code -g {file}:{line}:{column}\"
 
 F1 shows the keys. Files of the pipeline, its shaders and the scene are read again whenever they are saved.")]
 pub(crate) struct Args {
@@ -25,6 +26,9 @@ pub(crate) struct Args {
     /// Seed of all random numbers; 0 gives plain sequences, as the papers use them
     #[arg(long, default_value_t = 0)]
     seed: u32,
+    /// Command that opens the place of an error that is clicked on; {file}, {line} and {column} are put in
+    #[arg(long, value_name = "COMMAND")]
+    editor: Option<String>,
     /// File in which the state of the window is kept [default: in the user's data folder]
     #[arg(long, value_name = "FILE")]
     state: Option<PathBuf>,
@@ -57,6 +61,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         scene: args.scene.clone(),
         overrides: args.values.overrides(),
         seed: args.seed,
+        editor: args.editor.clone(),
         state: args.state.clone(),
     })?;
     Ok(())

@@ -1,6 +1,7 @@
 //! What is wrong, over the last good picture.
 
 use crate::app::App;
+use crate::editor::place;
 use eframe::egui::{self, Color32, Rect, RichText, Ui, vec2};
 
 /// Draws the errors that are not mended yet.
@@ -19,8 +20,8 @@ pub(super) fn show(app: &App, ui: &mut Ui, rect: Rect) {
         let mut sides = app.now.sides.iter().filter(|(id, _)| of == "scene" || id.name() == of);
         sides.any(|(_, side)| side.picture.is_some())
     };
-    let place = rect.shrink(10.0);
-    let area = egui::Area::new(ui.scope_id().with("errors")).fixed_pos(place.min).order(egui::Order::Middle);
+    let around = rect.shrink(10.0);
+    let area = egui::Area::new(ui.scope_id().with("errors")).fixed_pos(around.min).order(egui::Order::Middle);
     area.show(ui.ctx(), |ui| {
         let frame = egui::Frame::new()
             .fill(Color32::from_rgba_unmultiplied(40, 8, 8, 225))
@@ -28,7 +29,7 @@ pub(super) fn show(app: &App, ui: &mut Ui, rect: Rect) {
             .corner_radius(4)
             .inner_margin(8);
         frame.show(ui, |ui| {
-            ui.set_max_size(vec2(place.width() - 18.0, place.height() * 0.75));
+            ui.set_max_size(vec2(around.width() - 18.0, around.height() * 0.75));
             egui::ScrollArea::both().auto_shrink([true, true]).show(ui, |ui| {
                 for (of, text) in all {
                     let head = if has_picture(of) {
@@ -40,6 +41,12 @@ pub(super) fn show(app: &App, ui: &mut Ui, rect: Rect) {
                     ui.spacing_mut().item_spacing.y = 0.0;
                     for line in text.trim_end().lines() {
                         let text = RichText::new(line).monospace().color(Color32::WHITE);
+                        if let (Some(editor), Some(place)) = (&app.editor, place(line)) {
+                            if ui.link(text.underline()).clicked() {
+                                editor.open(app.catalog.assets().root(), place);
+                            }
+                            continue;
+                        }
                         // A caret points into the line above it, so neither may wrap.
                         let of_source = line.contains('│');
                         let label = egui::Label::new(text);
