@@ -1,8 +1,10 @@
 //! Imports and variants.
 
 use crate::{errors_of, library};
+use data_file::{Files, Source};
 use shader_library::{Define, DiskFiles, GlobalKind, Library, MemoryFiles, Overlay, Request};
-use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock, Weak};
 
 const MAIN: &str = "@compute @workgroup_size(1) fn main() { _ = ";
 
@@ -202,6 +204,35 @@ fn places_lead_back_through_imports() {
         assert_eq!(span.to_string(), place);
         assert_eq!(&span.source.text[span.start as usize..span.end as usize], what);
     }
+}
+
+/// A file of which another thread writes and reports a new text as soon as it is first read.
+struct Changing(OnceLock<Weak<Library>>, AtomicBool);
+
+impl Files for Changing {
+    fn read(&self, path: &str) -> Option<Arc<Source>> {
+        let is_first = !self.1.swap(true, Ordering::Relaxed);
+        let size = if is_first { 1 } else { 2 };
+        let text = format!("@compute @workgroup_size({size}) fn main() {{}}");
+        if let Some(library) = self.0.get().and_then(Weak::upgrade).filter(|_| is_first) {
+            library.invalidate(&[path]);
+        }
+        Some(Source::new(path, text))
+    }
+
+    fn list(&self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+#[test]
+fn a_shader_that_changes_while_it_is_read_is_not_kept() {
+    let files = Arc::new(Changing(OnceLock::new(), AtomicBool::new(false)));
+    let library = Arc::new(Library::new(files.clone()));
+    files.0.set(Arc::downgrade(&library)).unwrap();
+    let request = Request::new("a.wgsl");
+    let size = || library.load(&request).unwrap().interface.entries[0].workgroup_size[0];
+    assert_eq!((size(), size()), (1, 2));
 }
 
 #[test]
