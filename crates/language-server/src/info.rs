@@ -1,6 +1,7 @@
 //! What is said of a name, where it is declared, and the values that a file inherits.
 
-use crate::completion::{named_pipeline, takes};
+use crate::completion::named_pipeline;
+use crate::offer::takes;
 use crate::pipelines::{File, Pipelines};
 use crate::text;
 use crate::workspace::Workspace;

@@ -7,6 +7,7 @@
 mod completion;
 mod diagnostics;
 mod info;
+mod offer;
 mod pipelines;
 mod server;
 mod text;

@@ -285,7 +285,7 @@ impl Pipelines {
 
     /// Returns every name of what is named, in all pipeline files there are.
     pub(crate) fn uses(&self, workspace: &Workspace, entity: &Entity) -> Vec<Mention> {
-        let names = workspace.names("ron");
+        let names = workspace.all_ron();
         let files = names.iter().filter(|name| !name.starts_with("scenes/") && !name.starts_with("studies/"));
         let files = files.filter_map(|name| self.file(workspace, name));
         files

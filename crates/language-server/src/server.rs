@@ -1,8 +1,9 @@
 //! The messages of the protocol.
 
-use crate::completion::{markdown, of_ron};
+use crate::completion::of_ron;
 use crate::diagnostics::{self, Outbox, Target};
 use crate::info::{self, Named};
+use crate::offer::markdown;
 use crate::pipelines::{Mention, Pipelines};
 use crate::workspace::{Document, Language, Workspace, path_of_uri};
 use crate::{Check, text, wgsl};
@@ -71,16 +72,16 @@ fn capabilities() -> ServerCapabilities {
     }
 }
 
-/// Answers an editor until it ends.
+/// Answers an editor until it ends; returns whether it has asked the server to end, and is not simply gone.
 ///
 /// # Errors
-/// The editor ends without saying so, or sends what is not the protocol.
+/// The editor sends what is not the protocol.
 pub fn serve(
     connection: &Connection,
     (params, folders): (&InitializeParams, Vec<PathBuf>),
     catalog: Arc<Catalog>,
     check: Arc<Check>,
-) -> Result<(), ProtocolError> {
+) -> Result<bool, ProtocolError> {
     let sender = connection.sender.clone();
     let send: Box<dyn Fn(Message) + Send> = Box::new(move |message| drop(sender.send(message)));
     let outbox: Outbox = Arc::new(Mutex::new(Some(send)));
@@ -132,21 +133,22 @@ struct Asked<'s> {
 }
 
 impl Server {
-    fn run(&mut self, connection: &Connection) -> Result<(), ProtocolError> {
+    fn run(&mut self, connection: &Connection) -> Result<bool, ProtocolError> {
         for message in &connection.receiver {
             match message {
                 Message::Request(request) => {
                     if connection.handle_shutdown(&request)? {
-                        return Ok(());
+                        return Ok(true);
                     }
                     let response = self.answer(request);
                     diagnostics::send(&self.outbox, response.into());
                 }
+                Message::Notification(notification) if notification.method == "exit" => return Ok(false),
                 Message::Notification(notification) => self.take(notification),
                 Message::Response(_) => {}
             }
         }
-        Ok(())
+        Ok(false)
     }
 
     /// Asks the editor to report files that change on disk.

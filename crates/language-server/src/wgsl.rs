@@ -1,7 +1,7 @@
 //! WGSL of passes and of users: errors, names, documentation.
 
-use crate::completion::{Offer, takes};
 use crate::info::interface;
+use crate::offer::{Offer, takes};
 use crate::workspace::Workspace;
 use catalog::Catalog;
 use data_file::{Diagnostic, Diagnostics, Source, Span};
@@ -367,7 +367,7 @@ pub(crate) fn completion(
     let items = offers.into_iter().enumerate();
     items
         .map(|(order, offer)| {
-            let name = offer.name().to_owned();
+            let name = offer.name.clone();
             offer.item(text, range.clone(), name, order)
         })
         .collect()

@@ -170,7 +170,19 @@ impl Workspace {
         Some(Source::new(name, text))
     }
 
-    /// Returns the names of the RON and WGSL files of the tree, of the folders of the editor, and of those that are open.
+    /// Returns the names of all RON files of the tree and of the folders of the editor: also of folders of the tree in which
+    /// no one looks for pipelines.
+    pub(crate) fn all_ron(&self) -> Vec<String> {
+        let on_disk = self.folders.iter().flat_map(|folder| files_near(folder));
+        let is_ron = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "ron");
+        let mut names = self.names("ron");
+        names.extend(on_disk.filter(is_ron).map(|path| self.name(&path)));
+        names.sort();
+        names.dedup();
+        names
+    }
+
+    /// Returns the names of the RON or WGSL files of the tree, of the folders of the editor, and of those that are open.
     pub(crate) fn names(&self, extension: &str) -> Vec<String> {
         let folders: &[&str] = if extension == "ron" {
             &["pipelines", "scenes", "studies", "docs"]

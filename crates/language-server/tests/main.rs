@@ -1,6 +1,7 @@
 //! An editor that asks within the process, so that the work of each answer is counted.
 
 use catalog::{Assets, Catalog};
+use frame_graph::{Source, parse};
 use language_server::{begin, serve};
 use lsp_server::{Connection, Message, Notification, Request};
 use lsp_types::{InitializeParams, Uri};
@@ -33,7 +34,8 @@ impl Editor {
         let server = std::thread::spawn(move || {
             let (params, folders) = begin(&server).unwrap();
             // What is wrong is found by another thread, whose work is not that of an answer.
-            serve(&server, (&params, folders), of_server, Arc::new(|_: &str, _| Vec::new())).unwrap();
+            let check = Arc::new(|_: &str, _| Vec::new());
+            assert!(serve(&server, (&params, folders), of_server, check).unwrap());
         });
         let mut editor = Editor { client: Some(client), server: Some(server), catalog, count: 0 };
         editor.ask("initialize", json!(InitializeParams::default()));
@@ -200,6 +202,27 @@ proptest! {
             editor.tell("textDocument/didChange", json!({ "textDocument": document, "contentChanges": changes }));
         }
     }
+}
+
+/// The place of every name of every pipeline holds that name.
+#[test]
+fn names_are_where_they_are_said_to_be() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../pipelines");
+    let mut count = 0;
+    for folder in [folder.join("parts"), folder] {
+        for file in std::fs::read_dir(folder).unwrap().map(|file| file.unwrap().path()) {
+            if file.extension().is_none_or(|ending| ending != "ron") {
+                continue;
+            }
+            let source = Source::new(file.to_string_lossy(), std::fs::read_to_string(&file).unwrap());
+            for symbol in parse(source.clone()).unwrap().symbols() {
+                let written = &source.text[symbol.place.start as usize..symbol.place.end as usize];
+                assert_eq!(written, symbol.name, "{symbol:?} of {}", source.name);
+                count += 1;
+            }
+        }
+    }
+    assert!(count > 1000, "{count} names");
 }
 
 /// Files that extend each other, and sub-graphs that contain themselves.

@@ -2,7 +2,7 @@
 
 use super::check;
 use crate::context::Context;
-use anyhow::Result;
+use anyhow::{Result, bail};
 use language_server::{Check, Language, begin, check_wgsl, serve};
 use lsp_server::Connection;
 use renderer::Assets;
@@ -41,9 +41,12 @@ pub(crate) fn run(root: Option<PathBuf>, context: &Context, args: &Args) -> Resu
         Language::Ron(None) => Vec::new(),
         Language::Wgsl => check_wgsl(&context.catalog, name),
     });
-    serve(&connection, (&params, folders), catalog, check)?;
+    let asked = serve(&connection, (&params, folders), catalog, check)?;
     // Its threads end where nothing can be sent any more.
     drop(connection);
     threads.join()?;
+    if !asked {
+        bail!("the editor has ended, and has not asked the server to");
+    }
     Ok(())
 }
