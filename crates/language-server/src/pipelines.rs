@@ -77,26 +77,50 @@ struct Step {
     at: (usize, usize),
 }
 
+/// Files by the file that names them and the path.
+type Meant = BTreeMap<(String, String), Option<Arc<File>>>;
+
 /// Pipeline files by name, read again where their text has changed.
 #[derive(Default)]
 pub(crate) struct Pipelines {
     files: RefCell<BTreeMap<String, Arc<File>>>,
     /// What each was resolved to last.
     resolved: RefCell<BTreeMap<String, Arc<Resolved>>>,
+    /// What paths mean, by the file that holds them, while one question is answered.
+    meant: RefCell<Meant>,
 }
 
 impl Pipelines {
-    /// Returns a file by the name of its source.
-    pub(crate) fn file(&self, workspace: &Workspace, name: &str) -> Option<Arc<File>> {
-        self.read(workspace.catalog.pipelines().at(name)?)
+    /// Begins a question: files may have changed since the one before.
+    pub(crate) fn begin(&self) {
+        self.meant.borrow_mut().clear();
     }
 
-    #[expect(clippy::unnecessary_wraps, reason = "it stands at the end of chains of options")]
-    fn read(&self, source: Arc<Source>) -> Option<Arc<File>> {
+    /// Returns a file by the name of its source.
+    pub(crate) fn file(&self, workspace: &Workspace, name: &str) -> Option<Arc<File>> {
+        self.meant(("", name), || workspace.catalog.pipelines().at(name))
+    }
+
+    /// Returns what a path in a file means; it is looked for once in a question.
+    fn meant(
+        &self,
+        (by, path): (&str, &str),
+        find: impl FnOnce() -> Option<Arc<Source>>,
+    ) -> Option<Arc<File>> {
+        let key = (by.to_owned(), path.to_owned());
+        if let Some(known) = self.meant.borrow().get(&key) {
+            return known.clone();
+        }
+        let found = find().map(|source| self.read(source));
+        self.meant.borrow_mut().insert(key, found.clone());
+        found
+    }
+
+    fn read(&self, source: Arc<Source>) -> Arc<File> {
         let mut files = self.files.borrow_mut();
         let known = files.get(&source.name);
         if let Some(known) = known.filter(|known| known.source.text == source.text) {
-            return Some(Arc::clone(known));
+            return Arc::clone(known);
         }
         let read = parse_broken(&source);
         let symbols = read.as_ref().map(Description::symbols).unwrap_or_default();
@@ -105,7 +129,7 @@ impl Pipelines {
         let description = read.map(Arc::new).or_else(closed).or_else(last);
         let file = Arc::new(File { description, symbols, source: Arc::clone(&source) });
         files.insert(source.name.clone(), Arc::clone(&file));
-        Some(file)
+        file
     }
 
     /// Forgets what files said before, of those that are closed.
@@ -116,7 +140,8 @@ impl Pipelines {
 
     /// Returns the file that another means by a path.
     pub(crate) fn named(&self, workspace: &Workspace, path: &str, by: &File) -> Option<Arc<File>> {
-        self.read(named(path, &by.source.name, workspace.catalog.pipelines())?)
+        let name = &by.source.name;
+        self.meant((name, path), || named(path, name, workspace.catalog.pipelines()))
     }
 
     /// Returns a file and those that it extends, the base last.

@@ -172,6 +172,7 @@ impl Server {
 
     fn answer(&mut self, request: Request) -> Response {
         let Request { id, method, params } = request;
+        self.pipelines.begin();
         let answer = match &*method {
             "textDocument/completion" => read(params).and_then(|params| self.completion(&params)),
             "textDocument/hover" => read(params).and_then(|params| self.hover(&params)),
