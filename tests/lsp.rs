@@ -225,6 +225,10 @@ fn a_name_leads_to_its_declaration() {
             of_folder("base.ron", 5),
         ),
         ("Study(scenes: [\"atr‸ium\"], pipelines: [\"ism\"])".to_owned(), "scenes/atrium.ron:1".to_owned()),
+        (
+            "Study(scenes: [\"atrium\"], pipelines: [\"ism\"], set: { \"shadows.m‸ap\": 64 })".to_owned(),
+            line("pipelines/parts/imperfect-shadow-maps-on-the-fly.ron", "\"map\": U32("),
+        ),
         ("Study(scenes: [\"atrium\"], pipelines: [\"is‸m\"])".to_owned(), "pipelines/ism.ron:1".to_owned()),
     ];
     for (text, expected) in &cases {
@@ -277,18 +281,25 @@ fn a_name_is_explained_with_its_value_and_origin() {
 fn a_pass_and_a_parameter_are_renamed_everywhere() {
     let part = "Pipeline(\n    parameters: { \"dark\": F32() },\n    inputs: { \"image\": \"Display\" },\n    passes: { \"shade\": Pass(kind: \"fullscreen\", shader: \"effect.wgsl\", in: { \"picture\": \"in.image\" }, set: { \"strength\": \"$dark\" }, out: { \"result\": Out(interface: \"Display\") }) },\n    outputs: { \"result\": \"shade\" },\n)\n";
     let user = "Pipeline(extends: \"base.ron\", patch: [\n    Set(\"shade\", 0.25),\n    Insert(name: \"part\", pass: Sub(file: \"part.ron\", set: { \"dark\": \"$shade * 0.5\" }), between: (\"effect\", \"out.display\")),\n    Set(\"part/shade.strength\", 0.75),\n    Set(\"effect.strength\", \"$shade\"),\n])\n";
-    let folder =
-        Folder::new(&[("effect.wgsl", EFFECT), ("base.ron", BASE), ("part.ron", part), ("user.ron", user)]);
+    let study = "Study(\n    scenes: [\"cornell-box\"], pipelines: [\"user.ron\"], output: \"display\", size: (64, 64),\n    set: { \"shade\": 0.5 },\n    vary: Grid({ \"part/shade.strength\": [0.25, 0.5], \"effect.strength\": [0.1] }),\n    phases: { \"dark\": [\"effect\"] },\n    budget: Frames(1), measures: [\"gpu-ms\"],\n)\n";
+    let folder = Folder::new(&[
+        ("effect.wgsl", EFFECT),
+        ("base.ron", BASE),
+        ("part.ron", part),
+        ("user.ron", user),
+        ("study.ron", study),
+    ]);
     let checked = |name: &str| {
         run_in(&folder, &["--root", &root().to_string_lossy(), "check", name, "--scene", "cornell-box"])
     };
     checked("user.ron").success();
+    checked("study.ron").success();
     let editor = Editor::of_tree(&folder);
     let cases = [
-        ("base.ron", "\"sha‸de\": F32", "gloom", 5),
-        ("base.ron", "name: \"eff‸ect\"", "vignette", 3),
+        ("base.ron", "\"sha‸de\": F32", "gloom", 6),
+        ("base.ron", "name: \"eff‸ect\"", "vignette", 5),
         ("part.ron", "\"da‸rk\": F32", "depth", 3),
-        ("user.ron", "\"part/sh‸ade.", "inner", 3),
+        ("user.ron", "\"part/sh‸ade.", "inner", 4),
     ];
     for (name, marked, new, count) in cases {
         let text = folder.read(name);
@@ -303,6 +314,7 @@ fn a_pass_and_a_parameter_are_renamed_everywhere() {
         }
         editor.close(name);
         checked("user.ron").success();
+        checked("study.ron").success();
         assert!(!folder.read("user.ron").contains(&format!("\"{}\"", marked.replace('‸', ""))));
     }
     let at = editor.open("base.ron", &folder.read("base.ron").replacen("\"gloom\"", "\"glo‸om\"", 1));

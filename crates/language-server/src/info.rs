@@ -2,7 +2,7 @@
 
 use crate::completion::named_pipeline;
 use crate::offer::takes;
-use crate::pipelines::{File, Pipelines};
+use crate::pipelines::{Entity, File, Pipelines};
 use crate::text;
 use crate::workspace::Workspace;
 use catalog::Sort;
@@ -210,13 +210,7 @@ impl Named<'_> {
     pub(crate) fn definition(&self, at: usize) -> Option<Location> {
         let symbol = self.file.symbol_at(at)?;
         if let Some(mention) = self.pipelines.mention_at(self.workspace, self.file, at) {
-            let uses = &mention.entity;
-            let file = self.pipelines.file(self.workspace, &uses.file)?;
-            let declared = file
-                .symbols
-                .iter()
-                .find(|symbol| symbol.declares && symbol.kind == uses.kind && symbol.name == uses.name);
-            return self.workspace.location(&file.span(declared?));
+            return declared(self.workspace, self.pipelines, &mention.entity);
         }
         let of_kind = |kind: &str| format!("passes/{kind}/{kind}.wgsl");
         let pass_type = || self.pipelines.pass_type(self.workspace, self.file, &symbol.of);
@@ -280,6 +274,13 @@ fn inlay(position: Position, label: String) -> InlayHint {
         padding_right: Some(true),
         data: None,
     }
+}
+
+/// Returns where what is named is declared first.
+pub(crate) fn declared(workspace: &Workspace, pipelines: &Pipelines, entity: &Entity) -> Option<Location> {
+    let file = pipelines.file(workspace, &entity.file)?;
+    let (file, symbol) = pipelines.declaration(workspace, &file, entity.renamed(&entity.name))?;
+    workspace.location(&file.span(&symbol))
 }
 
 /// Returns where the file is that a name in a study or a scene names.

@@ -10,6 +10,7 @@ mod info;
 mod offer;
 mod pipelines;
 mod server;
+mod studies;
 mod text;
 mod wgsl;
 mod workspace;

@@ -1,6 +1,7 @@
 //! The names of pipelines across files: what extends what, what a name names, where it is used.
 
 use crate::workspace::Workspace;
+use catalog::Sort;
 use data_file::grammar::closed;
 use data_file::{Files as _, Name, Source, Span};
 use frame_graph::description::{Symbol, SymbolKind, parse_broken};
@@ -54,7 +55,7 @@ impl Entity {
         if is_pass { name.split('/').all(is_name) && !matches!(name, "in" | "out") } else { is_name(name) }
     }
 
-    /// Returns what [`Pipelines::declaration`] finds where another has this name.
+    /// Returns by what [`Pipelines::declaration`] finds it, or another of its kind that has this name.
     pub(crate) fn renamed<'n>(&'n self, name: &'n str) -> (SymbolKind, &'n str, &'n str) {
         (self.kind, &self.scope, name)
     }
@@ -308,21 +309,21 @@ impl Pipelines {
         mentions.into_iter().find(|mention| (mention.span.start..=mention.span.end).contains(&(at as u32)))
     }
 
-    /// Returns every name of what is named, in all pipeline files there are.
+    /// Returns every name of what is named, in all pipelines and studies there are.
     pub(crate) fn uses(&self, workspace: &Workspace, entity: &Entity) -> Vec<Mention> {
-        let names = workspace.all_ron();
-        let files = names.iter().filter(|name| !name.starts_with("scenes/") && !name.starts_with("studies/"));
-        let files = files.filter_map(|name| self.file(workspace, name));
-        files
-            .flat_map(|file| {
-                // The last part of a path, or of a name, is what it names.
-                let may_be =
-                    |symbol: &&Symbol| symbol.name.ends_with(&*entity.name) || symbol.name.contains('/');
-                let symbols: Vec<Symbol> = file.symbols.iter().filter(may_be).cloned().collect();
-                let mentions =
-                    symbols.into_iter().flat_map(|symbol| self.mentions(workspace, &file, &symbol));
-                mentions.filter(|mention| mention.entity == *entity).collect::<Vec<_>>()
-            })
-            .collect()
+        let mut found = Vec::new();
+        for name in workspace.all_ron().iter().filter(|name| !name.starts_with("scenes/")) {
+            let Some(file) = self.file(workspace, name) else { continue };
+            if Sort::of_text(&file.source.text) == Some(Sort::Study) {
+                found.extend(crate::studies::uses(workspace, self, &file.source, entity));
+                continue;
+            }
+            // The last part of a path, or of a name, is what it names.
+            let may_be = |symbol: &&Symbol| symbol.name.ends_with(&*entity.name) || symbol.name.contains('/');
+            let symbols = file.symbols.iter().filter(may_be);
+            let mentions = symbols.flat_map(|symbol| self.mentions(workspace, &file, symbol));
+            found.extend(mentions.filter(|mention| mention.entity == *entity));
+        }
+        found
     }
 }

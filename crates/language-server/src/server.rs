@@ -6,7 +6,7 @@ use crate::info::{self, Named};
 use crate::offer::markdown;
 use crate::pipelines::{Mention, Pipelines};
 use crate::workspace::{Document, Language, Workspace, path_of_uri};
-use crate::{Check, text, wgsl};
+use crate::{Check, studies, text, wgsl};
 use catalog::{Catalog, Sort};
 use data_file::grammar::{Item, format, outline};
 use lsp_server::{Connection, ErrorCode, Message, Notification, ProtocolError, Request, Response};
@@ -318,17 +318,28 @@ impl Server {
                         .definition(at)
                 })
             }
-            Language::Ron(_) => info::definition_of_file(&self.workspace, file, at),
+            Language::Ron(_) => {
+                let found = self.mention(&params.text_document_position_params)?;
+                let declared =
+                    found.and_then(|found| info::declared(&self.workspace, &self.pipelines, &found.entity));
+                declared.or_else(|| info::definition_of_file(&self.workspace, file, at))
+            }
             Language::Wgsl => wgsl::definition(&self.workspace, file, at),
         }))
     }
 
-    /// Returns what the name at a position of a pipeline names.
+    /// Returns what the name at a position of a pipeline or a study names.
     fn mention(&self, params: &TextDocumentPositionParams) -> Result<Option<Mention>, Refused> {
         let (asked, at) = self.at(params)?;
-        let is_pipeline = asked.language == Language::Ron(Some(Sort::Pipeline));
-        let file = self.pipelines.file(&self.workspace, &asked.name).filter(|_| is_pipeline);
-        Ok(file.and_then(|file| self.pipelines.mention_at(&self.workspace, &file, at)))
+        let file = || self.pipelines.file(&self.workspace, &asked.name);
+        Ok(match asked.language {
+            Language::Ron(Some(Sort::Pipeline)) => {
+                file().and_then(|file| self.pipelines.mention_at(&self.workspace, &file, at))
+            }
+            Language::Ron(Some(Sort::Study)) => file()
+                .and_then(|file| studies::mention_at(&self.workspace, &self.pipelines, &file.source, at)),
+            Language::Ron(_) | Language::Wgsl => None,
+        })
     }
 
     fn references(&self, params: &ReferenceParams) -> Answer {
