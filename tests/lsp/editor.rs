@@ -39,7 +39,8 @@ impl Editor {
         Editor::start(folder, command(folder))
     }
 
-    fn start(folder: &Path, mut command: std::process::Command) -> Editor {
+    /// Starts a command for an editor that has opened a folder.
+    pub(crate) fn start(folder: &Path, mut command: std::process::Command) -> Editor {
         let child = command.args(["lsp", "--stdio"]).stdin(Stdio::piped()).stdout(Stdio::piped());
         let mut child = child.stderr(Stdio::inherit()).spawn().unwrap();
         let (stdin, stdout) = (child.stdin.take().unwrap(), child.stdout.take().unwrap());

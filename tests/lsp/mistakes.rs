@@ -288,6 +288,20 @@ fn two_editors_work_in_a_folder_that_cannot_be_written() {
     allow(0o755);
 }
 
+/// A root that is named from the folder in which the server is started, which is not that of the editor.
+#[test]
+fn a_root_on_the_command_line_is_that_of_the_program() {
+    let started = Folder::new(&[("tree/pipelines/own.ron", "Pipeline(extends: \"ism.ron\")")]);
+    std::fs::create_dir_all(started.at("tree/shaders")).unwrap();
+    let folder = folder();
+    let mut command = crate::program::command(&started);
+    command.args(["--root", "tree"]);
+    let editor = Editor::start(&folder, command);
+    editor.open("my.ron", "Pipeline(extends: \"own.ron\", patch: [Remove(\"filtr\")])");
+    let errors = editor.errors("my.ron", 0);
+    assert!(errors.len() == 1 && errors[0]["message"].as_str().unwrap().contains("filtr"), "{errors:?}");
+}
+
 /// The server ends when it is asked to, whatever is still to be answered or checked, and when the editor is gone.
 #[test]
 fn the_server_ends_in_the_middle_of_its_work() {

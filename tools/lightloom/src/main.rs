@@ -144,7 +144,7 @@ fn main() -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
-    let root = cli.root.clone();
+    let has_root = cli.root.is_some();
     let context = context::Context::new(cli.root, cli.json, phases);
     let done = match &cli.command {
         #[cfg(feature = "window")]
@@ -152,7 +152,7 @@ fn main() -> ExitCode {
         Command::Render(args) => command::render::run(&context, args),
         Command::Check(args) => command::check::run(&context, args),
         Command::Fmt(args) => command::fmt::run(&context, args),
-        Command::Lsp(args) => command::lsp::run(root, &context, args),
+        Command::Lsp(args) => command::lsp::run(has_root, &context, args),
         Command::Graph(args) => command::graph::run(&context, args),
         Command::Resolve(args) => command::resolve::run(&context, args),
         Command::Diff(args) => command::diff::run(&context, args),

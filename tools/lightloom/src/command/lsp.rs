@@ -7,7 +7,6 @@ use language_server::{Check, Language, begin, check_wgsl, serve};
 use lsp_server::Connection;
 use renderer::Assets;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Answer an editor over standard input and output, by the Language Server Protocol.
@@ -22,14 +21,14 @@ pub(crate) struct Args {
     stdio: bool,
 }
 
-pub(crate) fn run(root: Option<PathBuf>, context: &Context, args: &Args) -> Result<()> {
+/// Answers; `has_root` says whether the root of `context` was given on the command line.
+pub(crate) fn run(has_root: bool, context: &Context, args: &Args) -> Result<()> {
     let (connection, threads) = Connection::stdio();
     let (params, folders) = begin(&connection)?;
     // As for a command that is run in the folder that the editor has opened.
     let folder = folders.first().filter(|folder| std::env::set_current_dir(folder).is_ok());
-    let root = root
-        .or_else(|| Assets::find_root(folder?))
-        .or_else(|| context.catalog.assets().root().map(Into::into));
+    let of_folder = folder.filter(|_| !has_root).and_then(|folder| Assets::find_root(folder));
+    let root = of_folder.or_else(|| context.catalog.assets().root().map(Into::into));
     let context = Context::new(root, false, context.phases.clone());
     let (catalog, scene) = (Arc::clone(&context.catalog), args.scene.clone());
     let traits = Mutex::new(BTreeMap::new());
