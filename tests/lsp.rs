@@ -281,7 +281,7 @@ fn a_name_is_explained_with_its_value_and_origin() {
 fn a_pass_and_a_parameter_are_renamed_everywhere() {
     let part = "Pipeline(\n    parameters: { \"dark\": F32() },\n    inputs: { \"image\": \"Display\" },\n    passes: { \"shade\": Pass(kind: \"fullscreen\", shader: \"effect.wgsl\", in: { \"picture\": \"in.image\" }, set: { \"strength\": \"$dark\" }, out: { \"result\": Out(interface: \"Display\") }) },\n    outputs: { \"result\": \"shade\" },\n)\n";
     let user = "Pipeline(extends: \"base.ron\", patch: [\n    Set(\"shade\", 0.25),\n    Insert(name: \"part\", pass: Sub(file: \"part.ron\", set: { \"dark\": \"$shade * 0.5\" }), between: (\"effect\", \"out.display\")),\n    Set(\"part/shade.strength\", 0.75),\n    Set(\"effect.strength\", \"$shade\"),\n])\n";
-    let study = "Study(\n    scenes: [\"cornell-box\"], pipelines: [\"user.ron\"], output: \"display\", size: (64, 64),\n    set: { \"shade\": 0.5 },\n    vary: Grid({ \"part/shade.strength\": [0.25, 0.5], \"effect.strength\": [0.1] }),\n    phases: { \"dark\": [\"effect\"] },\n    budget: Frames(1), measures: [\"gpu-ms\"],\n)\n";
+    let study = "// A (study).\nStudy(\n    scenes: [\"cornell-box\"], pipelines: [\"user.ron\"], output: \"display\", size: (64, 64),\n    set: { \"shade\": 0.5 },\n    vary: Grid({ \"part/shade.strength\": [0.25, 0.5], \"effect.strength\": [0.1] }),\n    phases: { \"dark\": [\"effect\"] },\n    budget: Frames(1), measures: [\"gpu-ms\"],\n)\n";
     let folder = Folder::new(&[
         ("effect.wgsl", EFFECT),
         ("base.ron", BASE),

@@ -313,7 +313,10 @@ impl Pipelines {
     pub(crate) fn uses(&self, workspace: &Workspace, entity: &Entity) -> Vec<Mention> {
         let mut found = Vec::new();
         for name in workspace.all_ron().iter().filter(|name| !name.starts_with("scenes/")) {
-            let Some(file) = self.file(workspace, name) else { continue };
+            // Only what holds the name needs to be parsed.
+            let source = workspace.catalog.pipelines().at(name);
+            let Some(source) = source.filter(|source| source.text.contains(&*entity.name)) else { continue };
+            let file = self.read(source);
             if Sort::of_text(&file.source.text) == Some(Sort::Study) {
                 found.extend(crate::studies::uses(workspace, self, &file.source, entity));
                 continue;

@@ -3,7 +3,7 @@
 use crate::completion::named_pipeline;
 use crate::pipelines::{Entity, File, Mention, Pipelines};
 use crate::workspace::Workspace;
-use data_file::grammar::{Cursor, Within};
+use data_file::grammar::{Cursor, Within, entries};
 use data_file::{Name, Place, Source, Span};
 use frame_graph::description::{Symbol, SymbolKind};
 use std::ops::Range;
@@ -65,7 +65,12 @@ struct Study<'s> {
 impl<'s> Study<'s> {
     fn new(workspace: &'s Workspace, pipelines: &'s Pipelines, source: &'s Arc<Source>) -> Study<'s> {
         let text = &*source.text;
-        let named = quoted(text).filter_map(|bytes| named_pipeline(workspace, &source.name, &text[bytes]));
+        // Behind the comment with which the file begins.
+        let form = text.find("\nStudy").unwrap_or(0);
+        let open = text[form..].find('(').map_or(text.len(), |open| form + open);
+        let fields = entries(text, open);
+        let list = fields.iter().find(|(field, _)| *field == "pipelines").map_or("", |(_, value)| *value);
+        let named = quoted(list).filter_map(|bytes| named_pipeline(workspace, &source.name, &list[bytes]));
         let files = named.filter_map(|name| pipelines.file(workspace, &name)).collect();
         Study { workspace, pipelines, source, files }
     }
