@@ -20,6 +20,7 @@ mod lamps;
 mod linking;
 mod lsp;
 mod pairs;
+mod partition;
 mod pictures;
 mod points;
 mod precision;

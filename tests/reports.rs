@@ -133,7 +133,7 @@ fn advised_numbers_of_lights_are_taken() {
     lightloom(&["graph", "ism-invtm", "--set", "lights=2000000"]).failure(1, &["E025", advice]);
     lightloom(&["graph", "ism-invtm", "--set", "lights=65535"]).success();
     // The pass that refuses has a history buffer, whose size is not known yet when it does.
-    let refused = lightloom(&["graph", "smc-ir", "--set", "lights=2000000"]);
+    let refused = lightloom(&["graph", "smc-ir-2016", "--set", "lights=2000000"]);
     assert!(!refused.failure(1, &["E025", "virtual lights"]).err.contains("E051"));
 }
 

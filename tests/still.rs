@@ -53,7 +53,7 @@ fn the_mean_of_all_samples_stays() {
 /// The work before the first frame is done before all of it rests.
 #[test]
 fn lights_that_stay_do_not_rest_before_they_are_there() {
-    for pipeline in ["smc-ir", "smc-ir-voronoi"] {
+    for pipeline in ["smc-ir", "smc-ir-2016"] {
         let Some(renderer) = renderer(pipeline, "cornell-box", SIZE, &["lights=16", "map=16"]) else {
             return;
         };

@@ -5,7 +5,6 @@
 //! An interface is one folder: its members with formats, its facts, its WGSL, and the Rust structs that are generated from
 //! the WGSL. A crate outside this tree adds an interface with [`Pass::interfaces`].
 
-pub mod areas;
 pub mod cluster_map;
 pub mod clusters;
 pub mod counters;
@@ -42,7 +41,6 @@ pub static INTERFACES: &[Interface] = &[
     cluster_map::INTERFACE,
     surface_points::INTERFACE,
     density::INTERFACE,
-    areas::INTERFACE,
     radiosity::INTERFACE,
     points::INTERFACE,
     depth_atlas::INTERFACE,

@@ -3,8 +3,14 @@
 // A path owns as many neighbouring places as there are bounces; where it leaves the scene, the rest of them are dark. So lights
 // keep their places from frame to frame, and move only as what they were traced from moves.
 
+#input iteration: SurfacePoints optional // Points whose iteration chooses the sequence of photons. Without it, the sequence is the
+    // same in every frame.
 #output lights: VirtualLights(count: settings.count) // A light for each photon and bounce; dark where it left the scene.
 
+#option ITERATION false // whether each iteration has photons of its own
+#if ITERATION
+#output points: SurfacePoints(count: settings.count) // With `iteration`, the places of the lights; empty where a light is dark.
+#endif
 #option ALBEDO mean one_of [mean, textured] // Reflectance of what photons meet. mean: textures are replaced by their means, as
     // SMC-IR §5 does. textured: as they are.
 #option EMISSIVE false // whether any surface emits
@@ -41,6 +47,19 @@ struct Settings {
 
 var<uniform> settings: Settings;
 var<storage, read_write> lights: VirtualLights;
+#if ITERATION
+var<storage, read> iteration: SurfacePoints;
+var<storage, read_write> points: SurfacePoints;
+#endif
+
+/// The seed of all sequences.
+fn seed() -> u32 {
+#if ITERATION
+    return hash2(settings.seed, iteration.header.iteration);
+#else
+    return settings.seed;
+#endif
+}
 
 /// The start of a photon.
 struct Emission {
@@ -73,8 +92,8 @@ fn interval_start(emitter: u32) -> u32 {
 
 /// A photon of an emitter, from either side, by the path's place in the sequences. It is one of `shares` that bring the flux.
 fn emitted_by_surface(path: u32, shares: f32) -> Emission {
-    let point = sample_emitter(sobol2_bits_of(path, hash2(settings.seed, EMITTERS)));
-    let square = sobol2_of(path, settings.seed);
+    let point = sample_emitter(sobol2_bits_of(path, hash2(seed(), EMITTERS)));
+    let square = sobol2_of(path, seed());
     let side = select(point.normal, -point.normal, square.x < 0.5);
     let direction = frame_from_normal(side) * by_cosine(vec2(fract(2.0 * square.x), square.y));
     var flux = vec3(0.0);
@@ -117,18 +136,29 @@ fn first_photon(path: u32, paths: u32) -> Emission {
         return emitted_by_surface(path, of_emitters / total * f32(paths));
     }
 #endif
-    var photon = emitted(scene_lights.lights[chosen], sobol2_of(path, settings.seed));
+    var photon = emitted(scene_lights.lights[chosen], sobol2_of(path, seed()));
     photon.flux /= share * f32(paths);
     return photon;
 }
 
-fn light_at(point: SurfacePoint, flux: vec3<f32>) -> VirtualLight {
+/// Puts a light where a photon met a surface.
+fn put(place: u32, point: SurfacePoint, flux: vec3<f32>) {
     var light: VirtualLight;
     light.position = point.position;
     light.normal = point.normal;
     light.texel = point.triangle;
     light.flux = weights_of(flux);
-    return light;
+    lights.lights[place] = light;
+#if ITERATION
+    points.points[place] = point;
+#endif
+}
+
+/// Leaves a place dark.
+fn put_nothing(place: u32) {
+    var point = no_point();
+    point.normal = vec3(0.0, 0.0, 1.0);
+    put(place, point, vec3(0.0));
 }
 
 /// Writes the lights of a path.
@@ -147,18 +177,18 @@ fn deposit(path: u32, paths: u32) {
         }
         if hit.triangle == NO_HIT {
             flux = vec3(0.0);
-            lights.lights[place] = light_at(SurfacePoint(vec3(0.0), NO_TRIANGLE, vec3(0.0, 0.0, 1.0), 0u, vec2(0.0), 0u, 0u), flux);
+            put_nothing(place);
             continue;
         }
-        let point = surface_point(hit.triangle, hit.barycentrics, direction, 0u);
+        let point = surface_point(hit.triangle, hit.barycentrics, direction, hash2(seed(), place));
 #if ALBEDO == mean
         flux *= mean_albedo(scene_vertices[scene_indices[3u * hit.triangle]].material);
 #else
         let vertex = path_vertex(hit, direction);
         flux *= vertex.surface.albedo * bent_share(vertex.normal, vertex.geometric, -direction);
 #endif
-        lights.lights[place] = light_at(point, flux);
-        let square = sobol2_of(path, hash2(settings.seed, bounce + 1u));
+        put(place, point, flux);
+        let square = sobol2_of(path, hash2(seed(), bounce + 1u));
         direction = frame_from_normal(point.normal) * by_cosine(square);
         origin = offset_origin(point.position, point.normal);
         nearest = 0.0;
@@ -176,9 +206,10 @@ fn trace_photons(row: Row) {
     if path == 0u {
         lights.count = settings.count;
         for (var rest = paths * settings.bounces; rest < settings.count; rest++) {
-            var dark: VirtualLight;
-            dark.normal = vec3(0.0, 0.0, 1.0);
-            lights.lights[rest] = dark;
+            put_nothing(rest);
         }
+#if ITERATION
+        points.header = SurfacePointsHeader(settings.count, iteration.header.iteration, 0u, 0u);
+#endif
     }
 }

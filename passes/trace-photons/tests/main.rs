@@ -1,6 +1,7 @@
 //! Photons against closed forms.
 
 use glam::Vec3;
+use interfaces::surface_points::SurfacePoint;
 use interfaces::virtual_lights::VirtualLight;
 use pass_test::rooms::furnace;
 use pass_test::{Harness, scene};
@@ -182,6 +183,37 @@ fn a_sun_gives_the_plane_its_irradiance() {
     let sum = fluxes(&found, 1, 1)[0];
     // Irradiance 3 W/m², cosine 0.8, 4 m², albedo ½.
     assert!((sum / 4.8 - 1.0).abs() < 0.02, "{sum}");
+}
+
+/// Each iteration has other photons, of the same flux; their places as points are those of the lights, and each has its own seed.
+#[test]
+fn iterations_have_photons_of_their_own() {
+    let mut scene = furnace([0.0; 3], [0.5; 3]);
+    scene.lights[0].kind = LightKind::Point;
+    scene.lights[0].intensity = Vec3::ONE;
+    scene.lights[0].position = Vec3::new(0.1, 0.2, 0.3);
+    let run = |iteration| {
+        let harness = Harness::new(PASS).with_scene(scene.clone()).set("count", 301u32).set("bounces", 3u32);
+        let outputs = harness.surface_points("iteration", iteration, &[SurfacePoint::NONE]).run()?;
+        Some((outputs.lights("lights"), outputs.surface_points("points")))
+    };
+    let (Some(first), Some(second), Some(again)) = (run(4), run(5), run(4)) else { return };
+    assert_eq!((&first.0, &first.1.1), (&again.0, &again.1.1), "one iteration has one sequence");
+    let (lights, (header, points)) = &first;
+    assert_eq!((header.count, header.iteration), (301, 4));
+    for (light, point) in lights.iter().zip(points) {
+        assert_eq!(
+            (light.position, light.normal, light.texel),
+            (point.position, point.normal, point.triangle)
+        );
+    }
+    assert!(points[300].is_none(), "what is left over is dark");
+    let seeds: std::collections::BTreeSet<u32> = points.iter().map(|point| point.seed).collect();
+    assert!(seeds.len() > 299, "{}", seeds.len());
+    let moved = lights.iter().zip(&second.0).filter(|(a, b)| a.position != b.position).count();
+    assert!(moved >= 300, "{moved} of 300 are elsewhere");
+    let [a, b] = [lights, &second.0].map(|lights| fluxes(&lights[..300], 3, 0));
+    assert!(a.iter().zip(&b).all(|(a, b)| (a / b - 1.0).abs() < 1e-5), "{a:?}, {b:?}");
 }
 
 #[test]

@@ -8,9 +8,6 @@ use interfaces::virtual_lights::{self, VirtualLight};
 use pass::{Content, Request};
 
 wgsl_structs::wgsl! {
-    "areas/areas.wgsl" {
-        use interfaces::areas::PointArea;
-    }
     "clusters/clusters.wgsl" {
         use interfaces::clusters::Cluster;
         use interfaces::clusters::ClustersHeader;
