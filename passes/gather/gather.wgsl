@@ -15,13 +15,16 @@
     clamp: settings.clamp when settings.area_bound == 0 && settings.geometry == 'bounded',
 ) // Diffuse irradiance, with noise if interleaved.
 
-#option GEOMETRY bounded one_of [bounded, disc] // What a light near a receiver gives. bounded: no more than at the bound, so
-    // what is nearer is lost. disc: what a disc of the light's area gives straight ahead, Φ cosθ cosθ' / (π d² + A), for lights
-    // that stand for an area of known shape (ACRSM).
+#option GEOMETRY bounded one_of [bounded, point-to-disc, disc] // What a light near a receiver gives. bounded: no more than at the
+    // bound, so what is nearer is lost. disc: what a disc of the light's area gives, for lights that stand for an area of known
+    // shape. point-to-disc: the same where it is straight ahead, Φ cosθ cosθ' / (π d² + A), and less elsewhere (ACRSM Eq. 3.9).
 #option VISIBILITY false // whether something says which lights are seen
 
 #import "camera.wgsl"
 #import "color.wgsl"
+#if GEOMETRY == disc
+#import "disc-irradiance.wgsl"
+#endif
 #import "scene.wgsl"
 #import "view-geometric.wgsl"
 #import "virtual-lights.wgsl"
@@ -41,7 +44,8 @@ struct Settings {
     /// sequence are stratified; every (n·m)-th ones share digits, and so lie in strips. Strides suit lights that are sorted by
     /// position. [default: "runs", one_of: ["runs", "strides"]]
     subsets: u32,
-    /// Distance below which a light's geometry term is bounded, as a fraction of the scene's dense extent; 0 is no such bound.
+    /// Distance below which a light's geometry term is bounded, as a fraction of the scene's dense extent; 0 is no such bound. Where
+    /// `geometry` is disc, the least radius of a disc, by which nothing is lost.
     /// Larger: smaller bright spots near lights, but more energy lost near corners, which alpha has and `bias-compensation`
     /// returns. [default: 0.0, min: 0.0, max: 1.0]
     clamp: f32,
@@ -94,9 +98,13 @@ fn geometry(light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> vec2<f32> 
     let offset = at - light.position;
     // Below the rounding of positions, neither the distance nor the light's direction is meaningful.
     let rounding = 1e-6 * scene_info.extent;
+    let closest = settings.clamp * scene_info.dense_extent;
+#if GEOMETRY == disc
+    let radius = max(closest, rounding);
+    return vec2(disc_irradiance(offset, light.normal, normal, max(light.area / PI, radius * radius)), 0.0);
+#else
     let distance2 = max(dot(offset, offset), rounding * rounding);
     let cosines = max(-dot(normal, offset), 0.0) * max(dot(light.normal, offset), 0.0) / distance2;
-    let closest = settings.clamp * scene_info.dense_extent;
     var whole = PI * distance2;
     var least = PI * closest * closest;
 #if GEOMETRY == bounded
@@ -104,11 +112,12 @@ fn geometry(light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> vec2<f32> 
 #endif
     // Exactly zero where nothing is bounded, whatever a compiler fuses: a difference of two quotients is not.
     let bounded = max(least - whole, 0.0);
-#if GEOMETRY == disc
+#if GEOMETRY == point-to-disc
     whole += light.area;
 #endif
     let kept = cosines / (whole + bounded);
     return vec2(kept, kept * bounded / whole);
+#endif
 }
 
 /// A pixel for which a thread gathers, and its sum so far.

@@ -94,7 +94,7 @@ fn one_light_over_a_plane_gives_the_closed_form() {
             .harness(&[light])
             .set("interleave_x", 1)
             .set("interleave_y", 1)
-            .set("geometry", "disc")
+            .set("geometry", "point-to-disc")
             .run();
         let Some(outputs) = outputs else { return };
         for ((x, y), got) in view.pixels().zip(read(&outputs)) {
@@ -135,6 +135,74 @@ fn a_disc_of_lights_gives_the_form_factor_of_a_disc() {
     assert!((got - wanted).abs() < 1e-3 * wanted, "{got} for {wanted}");
 }
 
+/// Irradiance of a disc of flux 1 at a receiver, by its definition, the mean over the disc of cosθ cosθ' / (π d²); and the most
+/// that a receiver of any normal gets that has the whole disc before it.
+fn disc_by_quadrature(light: &VirtualLight, at: DVec3, normal: DVec3) -> (f64, f64) {
+    let radius = (light.area / PI).sqrt();
+    let (u, v) = light.normal.any_orthonormal_pair();
+    let sides = 600;
+    let (mut sum, mut vector) = (0.0, DVec3::ZERO);
+    for ring in 0..sides {
+        let r = radius * ((f64::from(ring) + 0.5) / f64::from(sides)).sqrt();
+        for step in 0..sides {
+            let (sin, cos) = (2.0 * PI * (f64::from(step) + 0.5) / f64::from(sides)).sin_cos();
+            let to_receiver = at - (light.position + r * (cos * u + sin * v));
+            let d2 = to_receiver.length_squared();
+            let arriving = to_receiver * light.normal.dot(to_receiver).max(0.0) / (PI * d2 * d2);
+            sum += (-normal.dot(arriving)).max(0.0);
+            vector += arriving;
+        }
+    }
+    let samples = f64::from(sides * sides);
+    (sum / samples, vector.length() / samples)
+}
+
+#[test]
+fn a_disc_gives_the_integral_over_it() {
+    let view = View { width: 9, height: 7, fov: 1.4 };
+    // The last but one reaches below the plane, and so does the last by more than half its radius.
+    for (height, tilt, area) in
+        [(0.7, 0.0, 2.0), (0.05, 0.0, 0.5), (0.6, 0.6, 1.0), (0.4, 1.4, 1.0), (0.0, 1.57, 0.3)]
+    {
+        let (sin, cos) = f64::sin_cos(tilt);
+        let normal = dvec3(sin, -cos, 0.0);
+        let light = VirtualLight { position: dvec3(0.1, height, -0.05), normal, flux: 1.0, area };
+        let harness = view.harness(&[light]).set("interleave_x", 1).set("interleave_y", 1);
+        let Some(outputs) = harness.set("geometry", "disc").run() else { return };
+        let mut errors = Vec::new();
+        for ((x, y), got) in view.pixels().zip(read(&outputs)) {
+            let (integral, whole) = disc_by_quadrature(&light, view.position(x, y), UP);
+            // A disc whose middle is not above the plane gives nothing.
+            let wanted = if height > 0.0 { integral } else { 0.0 };
+            if whole > 0.0 {
+                errors.push((f64::from(got[0]) - wanted).abs() / whole);
+            }
+        }
+        // Of what a receiver gets that has the whole disc before it.
+        let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+        let greatest = errors.into_iter().fold(0.0, f64::max);
+        assert!(
+            greatest < 0.09 && mean < 0.014,
+            "a disc of {area} m² at {height} m, tilted by {tilt}: errors of {greatest}, on average {mean}"
+        );
+    }
+}
+
+#[test]
+fn a_disc_loses_no_flux_to_a_plane_that_touches_it() {
+    // All that a disc emits arrives on a plane beside it, wherever it lies.
+    let view = View { width: 400, height: 400, fov: 3.0 };
+    for area in [0.0, 0.5, 4.0] {
+        let light = VirtualLight { position: dvec3(0.0, 0.3, 0.0), normal: DOWN, flux: 1.0, area };
+        let harness = view.harness(&[light]).set("interleave_x", 1).set("interleave_y", 1);
+        let Some(outputs) = harness.set("geometry", "disc").run() else { return };
+        let side = view.position(1, 0).distance(view.position(0, 0));
+        let arrives: f64 = read(&outputs).iter().map(|e| f64::from(e[0])).sum::<f64>() * side * side;
+        // What arrives beyond the view is that of a point from there, or less.
+        assert!((0.99..1.002).contains(&arrives), "{arrives} of the flux of a disc of {area} m²");
+    }
+}
+
 #[test]
 fn every_light_is_in_exactly_one_subset() {
     for runs in [false, true] {
@@ -157,7 +225,7 @@ fn each_sub_image_sums_its_subset() {
         for (subsets, geometry_of, radii, bound) in [
             ("runs", "bounded", 0.0, Bound::Bounded(0.2 * EXTENT, 0.0)),
             ("runs", "bounded", 3.0, Bound::Bounded(0.2 * EXTENT, 3.0)),
-            ("strides", "disc", 3.0, Bound::Disc(0.2 * EXTENT)),
+            ("strides", "point-to-disc", 3.0, Bound::PointToDisc(0.2 * EXTENT)),
         ] {
             let view = View { width, height, fov: 0.8 };
             let lights = lights(count);

@@ -22,7 +22,7 @@ pub(crate) enum Bound {
     /// No less than this distance \[m\], and this many radii of a disc of the light's area.
     Bounded(f64, f64),
     /// The term of a disc straight ahead, at no less than this distance \[m\].
-    Disc(f64),
+    PointToDisc(f64),
 }
 
 /// Returns the geometry term of a light without its visibility \[1/m²\]: what remains after the bound, and what
@@ -39,7 +39,7 @@ pub(crate) fn geometry(
     let cosines = (-normal.dot(offset)).max(0.0) * light.normal.dot(offset).max(0.0) / distance2;
     let (closest2, area) = match bound {
         Bound::Bounded(distance, radii) => (distance.powi(2).max(radii.powi(2) * light.area / PI), 0.0),
-        Bound::Disc(distance) => (distance.powi(2), light.area),
+        Bound::PointToDisc(distance) => (distance.powi(2), light.area),
     };
     let term = |distance2: f64| cosines / (PI * distance2 + area);
     let kept = term(distance2.max(closest2));
