@@ -4,7 +4,7 @@ use crate::adapter::{gpu, mean, renderer};
 use interfaces::virtual_lights::VirtualLight;
 use renderer::{PortFigures, Renderer};
 
-const CLUSTERED: [&str; 3] = ["acrsm", "rsm-clustering", "clustered-visibility"];
+const CLUSTERED: [&str; 4] = ["acrsm", "acrsm-2017", "rsm-clustering", "clustered-visibility"];
 
 /// Returns the figures of the clusters of a frame.
 fn clusters(renderer: &Renderer) -> PortFigures {
@@ -18,7 +18,7 @@ fn clusters(renderer: &Renderer) -> PortFigures {
 /// A pipeline with few lights and small maps, after some frames.
 fn after(pipeline: &str, scene: &str, frames: u32, more: &[&str]) -> Option<Renderer> {
     let own: &[&str] = match pipeline {
-        "acrsm" | "rsm-clustering" => &["lights=64", "map=32", "window=64"],
+        "acrsm" | "acrsm-2017" | "rsm-clustering" => &["lights=64", "map=32", "window=64"],
         "clustered-visibility" => &["lights=64", "map=32", "clusters=32"],
         _ => &[],
     };
@@ -57,7 +57,7 @@ fn clusters_stay_alive_while_the_light_glides() {
         return;
     }
     let more = ["interleave_x=4", "interleave_y=4"];
-    let mut gliding = after("acrsm", "cornell-box-glide", 0, &more).expect("there is an adapter");
+    let mut gliding = after("acrsm-2017", "cornell-box-glide", 0, &more).expect("there is an adapter");
     let (mut moved, mut before) = (0, Vec::new());
     // From the red wall over the edge to the back wall.
     for frame in 0..40 {
