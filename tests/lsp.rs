@@ -12,7 +12,7 @@ const EFFECT: &str = "struct Settings {\n    /// Darkening. [default: 0.5, min: 
 const BASE: &str = "Pipeline(\n    extends: \"ism.ron\",\n    parameters: { \"shade\": F32(default: 0.5, min: 0.0, max: 1.0, doc: \"How dark\") },\n    patch: [Insert(\n        name: \"effect\",\n        pass: Pass(kind: \"fullscreen\", shader: \"effect.wgsl\", set: { \"strength\": \"$shade\" }, out: { \"result\": Out(interface: \"Display\") }),\n        between: (\"image.display\", \"out.display\"),\n    )],\n)\n";
 
 fn folder() -> Folder {
-    Folder::new(&[("effect.wgsl", EFFECT), ("base.ron", BASE)])
+    Folder::new(&[("effect.wgsl", EFFECT), ("base.ron", BASE), ("box.glb", ""), ("sky.hdr", "")])
 }
 
 #[test]
@@ -21,7 +21,7 @@ fn names_are_offered_that_fit() {
     let lights =
         |rest: &str| variant(&format!("Replace(\"lights\", Pass(kind: \"sample-metropolis\", {rest}"));
     let study = |rest: &str| format!("Study(scenes: [\"atrium\"], pipelines: [\"ism\"], {rest}");
-    let ron: [(String, &[&str], &[&str]); 31] = [
+    let ron: [(String, &[&str], &[&str]); 33] = [
         ("‸".into(), &["Pipeline", "Scene", "Study"], &[]),
         ("Pipeline(‸".into(), &["extends", "passes", "patch"], &["kind"]),
         ("Pipeline(extends: \"ism.ron\", ‸\n)".into(), &["patch"], &["extends"]),
@@ -83,6 +83,8 @@ fn names_are_offered_that_fit() {
         (study("measures: [\"‸"), &["rmse", "tid"], &[]),
         (study("set: { \"‸"), &["lights", "rsm.size"], &[]),
         ("Scene(geometry: BuiltIn(\"‸".into(), &["atrium", "cornell-box"], &["ism"]),
+        ("Scene(geometry: File(\"‸".into(), &["box.glb"], &["sky.hdr"]),
+        ("Scene(environment: Environment(map: File(\"‸".into(), &["sky.hdr"], &["box.glb"]),
     ];
     let wgsl: [(&str, &[&str], &[&str]); 8] = [
         ("#import \"‸", &["camera.wgsl", "random.wgsl"], &["x.wgsl"]),
@@ -252,7 +254,8 @@ fn a_name_leads_to_its_declaration() {
 fn a_name_is_explained_with_its_value_and_origin() {
     let folder = folder();
     let editor = Editor::of_tree(&folder);
-    let cases: [(&str, String, &[&str]); 11] = [
+    let cases: [(&str, String, &[&str]); 12] = [
+        ("my.ron", "Study(scenes: [\"atr‸ium\"], pipelines: [\"ism\"])".to_owned(), &["Colonnaded"]),
         ("my.ron", variant("Set(\"gather.cl‸amp\", 0.25)"), &["f32, 0 to 1", "Value: `0.25`, given at", "my.ron:3:33", "Declared at"]),
         ("my.ron", variant("Set(\"gather.clamp\", \"$lig‸hts\")"), &["u32", "Value: `1024`", "deferred.ron"]),
         ("my.ron", variant("Set(\"gat‸her.clamp\", 0.1)"), &["gather", "virtual lights", "Declared at"]),

@@ -13,6 +13,7 @@ use frame_graph::{Format, Ports, Resolved, Use};
 use lsp_types::{CompletionItem, CompletionItemKind};
 use shader_library::DeclaredPort;
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Returns what may be typed at a byte of a RON file.
@@ -470,8 +471,13 @@ impl Position<'_> {
                 let files =
                     folder.and_then(|folder| std::fs::read_dir(folder).ok()).into_iter().flatten().flatten();
                 let names = files.filter_map(|file| file.file_name().into_string().ok());
-                let is_model = |name: &String| name.ends_with(".glb") || name.ends_with(".gltf");
-                offers(names.filter(is_model), CompletionItemKind::FILE)
+                let of_environment =
+                    self.cursor.frame(1).is_some_and(|around| around.name == Some("Environment"));
+                let fits = |name: &String| match of_environment {
+                    true => scene::Environment::may_be(Path::new(name)),
+                    false => name.ends_with(".glb") || name.ends_with(".gltf"),
+                };
+                offers(names.filter(fits), CompletionItemKind::FILE)
             }
             _ => Vec::new(),
         }

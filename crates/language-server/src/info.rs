@@ -5,7 +5,7 @@ use crate::offer::takes;
 use crate::pipelines::{Entity, File, Pipelines};
 use crate::text;
 use crate::workspace::Workspace;
-use catalog::Sort;
+use catalog::{SceneAssets, Sort};
 use data_file::grammar::{Cursor, Within};
 use data_file::{Setting, Span, Value};
 use frame_graph::description::{Symbol, SymbolKind};
@@ -77,6 +77,9 @@ pub(crate) fn hover(
             }
             if let Some(base) = named_pipeline(workspace, name, word) {
                 let about = pipelines.file(workspace, &base)?.description.as_ref()?.about()?.to_owned();
+                return Some((about, range));
+            }
+            if let Ok(about) = scene::about(word, &SceneAssets(workspace.catalog.assets().clone())) {
                 return Some((about, range));
             }
             // A path: of the first pipeline that has it.

@@ -44,12 +44,17 @@ impl Environment {
         Environment { width: 1, height: 1, texels: vec![radiance], rotation: 0.0 }
     }
 
+    /// Whether the ending of a file is that of a map of radiance.
+    pub fn may_be(path: &Path) -> bool {
+        !matches!(FileFormat::of(path), Some(FileFormat::Png) | None)
+    }
+
     /// Reads a map from a Radiance HDR, EXR or PFM file, times a factor.
     ///
     /// # Errors
     /// What is wrong with the file and, of a value, which pixel has it.
     pub(crate) fn read(path: &Path, factor: [f32; 3]) -> Result<Environment, String> {
-        if matches!(FileFormat::of(path), Some(FileFormat::Png) | None) {
+        if !Self::may_be(path) {
             return Err(format!("{}: expected a map of radiance: .hdr, .exr or .pfm", path.display()));
         }
         let image = Image::read(path).map_err(|error| error.to_string())?;
