@@ -15,6 +15,8 @@ struct ParaboloidLookup {
     distance: f32,
     /// The receiver's plane in the light's frame: its unit normal, and the light's distance from it along that [m].
     plane: vec4<f32>,
+    /// Width of a texel at the receiver [m].
+    width: f32,
     /// Depth bias [m].
     bias: f32,
 }
@@ -45,7 +47,7 @@ fn paraboloid_lookup_in_frame(
     slope_bias: f32,
 ) -> ParaboloidLookup {
     if local.z <= 0.0 {
-        return ParaboloidLookup(kind, true, vec2(0.0), 0.0, vec4(0.0), 0.0);
+        return ParaboloidLookup(kind, true, vec2(0.0), 0.0, vec4(0.0), 0.0, 0.0);
     }
     let distance = map_distance(kind, local);
     let height = dot(plane_normal, local);
@@ -58,12 +60,20 @@ fn paraboloid_lookup_in_frame(
     }
     let position = tile_position(map_position(kind, local, distance), tile);
     let width = map_texel_width(kind, local, distance, tile);
-    return ParaboloidLookup(kind, false, position, distance, vec4(plane_normal, height), width * bias);
+    return ParaboloidLookup(kind, false, position, distance, vec4(plane_normal, height), width, width * bias);
 }
 
 /// The texel of a map at a position in it [px]. Beyond the map's edge lies another map: the nearest texel at the edge is taken.
 fn texel_in_map(position: vec2<f32>, tile: u32) -> vec2<u32> {
     return vec2<u32>(clamp(position, vec2(0.0), vec2(f32(tile - 1u))));
+}
+
+/// The distance [m] at which the ray through the centre of a texel meets the receiver's plane: that of its own surface.
+fn own_distance(lookup: ParaboloidLookup, texel: vec2<u32>, tile: u32) -> f32 {
+    let ray = map_ray(lookup.kind, texel_centre(texel, tile));
+    let along = dot(lookup.plane.xyz, ray.direction);
+    let height = lookup.plane.w - dot(lookup.plane.xyz, ray.origin);
+    return select(lookup.distance, height * ray.length / along, along * height > 0.0);
 }
 
 /// Whether the receiver is seen past what a texel of the map stores: a distance [m] along the ray through its centre.
@@ -72,9 +82,6 @@ fn texel_in_map(position: vec2<f32>, tile: u32) -> vec2<u32> {
 /// (receiver-plane depth bias, Isidoro 2006). What is farther than the receiver hides nothing, so a plane that recedes
 /// changes nothing; one that comes near is followed up to half the distance.
 fn is_seen(lookup: ParaboloidLookup, texel: vec2<u32>, tile: u32, stored: f32) -> bool {
-    let ray = map_ray(lookup.kind, texel_centre(texel, tile));
-    let along = dot(lookup.plane.xyz, ray.direction);
-    let height = lookup.plane.w - dot(lookup.plane.xyz, ray.origin);
-    let own = select(lookup.distance, height * ray.length / along, along * height > 0.0);
-    return clamp(own, 0.5 * lookup.distance, lookup.distance) - lookup.bias <= stored;
+    let own = clamp(own_distance(lookup, texel, tile), 0.5 * lookup.distance, lookup.distance);
+    return own - lookup.bias <= stored;
 }

@@ -1,0 +1,22 @@
+// Settles lookups of shadow maps by rays where the map cannot tell.
+//
+// A map is sure of two things: that a receiver is lit whose own surface is in the texel, and that one is hidden that lies far behind
+// what is there. In between lies what is near the receiver, which a ray along that stretch decides; and where the texel has a
+// hole or something farther away, the whole ray.
+
+#input maps: Visibility with atlas // An atlas of depth maps.
+#output visibility: Visibility(
+    tile: maps.tile,
+    columns: maps.columns,
+    rows: maps.rows,
+    depth_bias: maps.depth_bias,
+    slope_bias: maps.slope_bias,
+    doubt: settings.doubt,
+    iterations: 400,
+) hands on maps module "lookup.wgsl" // The same atlas, with lookups that trace rays.
+
+struct Settings {
+    /// How far behind what a texel stores a receiver must lie to be hidden without a ray, in widths of a texel at the receiver.
+    /// More: less that maps hide wrongly, but more rays. [default: 3.0, min: 0.0]
+    doubt: f32,
+}
