@@ -122,6 +122,13 @@ impl Setting {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Settings(pub BTreeMap<String, Value>);
 
+impl Settings {
+    /// Returns the defaults of a pass type.
+    pub fn defaults(schema: &[Setting]) -> Settings {
+        Settings(schema.iter().map(|setting| (setting.name.clone(), setting.default.clone())).collect())
+    }
+}
+
 /// What a scene holds, as far as a pipeline may ask: `glossy`, `point_lights`, and so on.
 ///
 /// Switches read them as `scene.NAME`. The names and types are the scene's own; the core knows none.

@@ -153,12 +153,8 @@ impl Position<'_> {
         let inputs: Vec<String> = pass.inputs.iter().map(|input| (*input).to_owned()).collect();
         let outputs = BTreeMap::new();
         let use_ = Use { kind: pass.kind, shader: pass.shader, inputs: &inputs, outputs: &outputs };
-        self.workspace.catalog.ports(use_, &self.defaults(use_)).ok()
-    }
-
-    fn defaults(&self, use_: Use<'_>) -> Settings {
         let settings = self.workspace.catalog.settings(use_).unwrap_or_default();
-        Settings(settings.iter().map(|s| (s.name.clone(), s.default.clone())).collect())
+        self.workspace.catalog.ports(use_, &Settings::defaults(&settings)).ok()
     }
 
     fn settings(&self, pass: &TypedPass<'_>) -> Vec<Setting> {

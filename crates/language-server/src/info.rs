@@ -7,7 +7,7 @@ use crate::text;
 use crate::workspace::Workspace;
 use catalog::{SceneAssets, Sort};
 use data_file::grammar::{Cursor, Within};
-use data_file::{Setting, Span, Value};
+use data_file::{Setting, Settings, Span, Value};
 use frame_graph::description::{Symbol, SymbolKind};
 use frame_graph::port::PassTypes as _;
 use frame_graph::{Resolved, Use};
@@ -108,9 +108,8 @@ impl Named<'_> {
         let outputs = BTreeMap::new();
         let use_ = Use { kind, shader: None, inputs: &[], outputs: &outputs };
         let settings = catalog.settings(use_).unwrap_or_default();
-        let defaults = settings.iter().map(|s| (s.name.clone(), s.default.clone())).collect();
         let mut text = format!("**{kind}** {}", pass.about(catalog.shaders()).about);
-        if let Ok(ports) = catalog.ports(use_, &data_file::Settings(defaults)) {
+        if let Ok(ports) = catalog.ports(use_, &Settings::defaults(&settings)) {
             for port in &ports.inputs {
                 let optional = if port.optional { ", optional" } else { "" };
                 let _ = write!(text, "\n- in `{}`: {}{optional}. {}", port.name, port.interface, port.doc);

@@ -373,8 +373,7 @@ impl<'a> Harness<'a> {
         let kind = self.pass.kind();
         let use_ = Use { kind, shader: self.shader, inputs: &inputs, outputs: &self.overrides };
         let Ok(schema) = kinds.settings(use_) else { return Vec::new() };
-        let defaults = schema.iter().map(|setting| (setting.name.clone(), setting.default.clone()));
-        let mut settings = Settings(defaults.collect());
+        let mut settings = Settings::defaults(&schema);
         settings.0.extend(self.set.clone());
         let ports = kinds.ports(use_, &settings);
         ports

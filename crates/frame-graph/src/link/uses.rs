@@ -228,10 +228,8 @@ impl<'a> Linker<'a> {
     fn settings(&mut self, node: &Node, schema: &Arc<[Setting]>, caches: &mut Caches<'a>) -> Arc<Settings> {
         let set = &node.decl.set;
         let key = schema.as_ptr().cast::<()>();
-        let (_, defaults) = caches.defaults.entry(key).or_insert_with(|| {
-            let defaults = schema.iter().map(|s| (s.name.clone(), s.default.clone())).collect();
-            (Arc::clone(schema), Arc::new(Settings(defaults)))
-        });
+        let made = || (Arc::clone(schema), Arc::new(Settings::defaults(schema)));
+        let (_, defaults) = caches.defaults.entry(key).or_insert_with(made);
         if set.is_empty() {
             return Arc::clone(defaults);
         }

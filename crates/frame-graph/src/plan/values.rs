@@ -175,8 +175,7 @@ fn same_code(a: &Facts, b: &Facts) -> bool {
 
 /// Returns the defaults with the values that are given; `None` where one of these is wrong.
 pub(crate) fn complete(decl: &PassDecl, schema: &[Setting]) -> Option<Settings> {
-    let defaults = schema.iter().map(|setting| (setting.name.clone(), setting.default.clone()));
-    let mut settings = Settings(defaults.collect());
+    let mut settings = Settings::defaults(schema);
     for set in &decl.set {
         let setting = schema.iter().find(|setting| set.name.value == *setting.name)?;
         // A parameter without a value has that of the setting.

@@ -52,9 +52,10 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         return Ok(());
     }
     let settings = context.catalog.settings(use_).map_err(|error| anyhow::anyhow!(error.message))?;
-    let defaults =
-        Settings(settings.iter().map(|setting| (setting.name.clone(), setting.default.clone())).collect());
-    let ports = context.catalog.ports(use_, &defaults).map_err(|error| anyhow::anyhow!(error.message))?;
+    let ports = context
+        .catalog
+        .ports(use_, &Settings::defaults(&settings))
+        .map_err(|error| anyhow::anyhow!(error.message))?;
     if context.json {
         output::json(&as_json(kind, &about, &settings, &ports, context.catalog.interfaces()));
     } else {
