@@ -130,12 +130,22 @@ fn words(value: f32, unit: i32) -> vec2<u32> {
     return vec2(u32(units - high * 0x1p32f), u32(high));
 }
 
+/// The carry of a low word into the high one: `before` is what the word was when `part` was added to it.
+fn carry(before: u32, part: u32) -> u32 {
+    return select(0u, 1u, before > 0xffffffffu - part);
+}
+
+/// The sum that two words hold.
+fn number(low: u32, high: u32, unit: i32) -> f32 {
+    return times_power_of_two(f32(high) * 0x1p32f + f32(low), unit);
+}
+
 fn add(point: u32, place: u32, flux: vec3<f32>, unit: i32) {
     for (var c = 0u; c < 3u; c++) {
         let parts = words(flux[c], unit);
         let low = 2u * (place + c);
-        let carry = select(0u, 1u, atomicAdd(&sums[point][low], parts.x) > 0xffffffffu - parts.x);
-        atomicAdd(&sums[point][low + 1u], parts.y + carry);
+        let before = atomicAdd(&sums[point][low], parts.x);
+        atomicAdd(&sums[point][low + 1u], parts.y + carry(before, parts.x));
     }
 }
 
@@ -163,15 +173,15 @@ fn share(row: Row) {
     }
     if old < settings.before_count {
         let parts = words(weight(flux), unit);
-        let carry = select(0u, 1u, atomicAdd(&weights_before[old][0], parts.x) > 0xffffffffu - parts.x);
-        atomicAdd(&weights_before[old][1], parts.y + carry);
+        let low = atomicAdd(&weights_before[old][0], parts.x);
+        atomicAdd(&weights_before[old][1], parts.y + carry(low, parts.x));
     }
 }
 
 /// The weight of the photons of a light of the frame before.
 fn weight_before(light: u32) -> f32 {
-    let units = f32(atomicLoad(&weights_before[light][1])) * 0x1p32f + f32(atomicLoad(&weights_before[light][0]));
-    return times_power_of_two(units, unit_of(atomicLoad(&measured.fresh)));
+    let unit = unit_of(atomicLoad(&measured.fresh));
+    return number(atomicLoad(&weights_before[light][0]), atomicLoad(&weights_before[light][1]), unit);
 }
 
 /// Hands on what lights had to those that are nearest to their photons now: what they all find is
@@ -211,8 +221,7 @@ fn sum(point: u32, place: u32, unit: i32) -> vec3<f32> {
     var flux: vec3<f32>;
     for (var c = 0u; c < 3u; c++) {
         let low = 2u * (place + c);
-        let units = f32(atomicLoad(&sums[point][low + 1u])) * 0x1p32f + f32(atomicLoad(&sums[point][low]));
-        flux[c] = weight_of(times_power_of_two(units, unit));
+        flux[c] = weight_of(number(atomicLoad(&sums[point][low]), atomicLoad(&sums[point][low + 1u]), unit));
     }
     return flux;
 }
