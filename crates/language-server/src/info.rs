@@ -79,8 +79,9 @@ pub(crate) fn hover(
                 let about = pipelines.file(workspace, &base)?.description.as_ref()?.about()?.to_owned();
                 return Some((about, range));
             }
-            if let Ok(about) = scene::about(word, &SceneAssets(workspace.catalog.assets().clone())) {
-                return Some((about, range));
+            if field_of(&cursor) == Some("scenes") {
+                let files = SceneAssets(workspace.catalog.assets().clone());
+                return Some((scene::about(word, &files).ok()?, range));
             }
             // A path: of the first pipeline that has it.
             let mut named =
@@ -285,6 +286,11 @@ pub(crate) fn declared(workspace: &Workspace, pipelines: &Pipelines, entity: &En
     workspace.location(&file.span(&symbol))
 }
 
+/// Returns the field whose value is at a position, or has it in a list.
+fn field_of<'t>(cursor: &Cursor<'t>) -> Option<&'t str> {
+    cursor.frames.iter().rev().find_map(|frame| frame.key)
+}
+
 /// Returns where the file is that a name in a study or a scene names.
 pub(crate) fn definition_of_file(
     workspace: &Workspace,
@@ -293,7 +299,7 @@ pub(crate) fn definition_of_file(
 ) -> Option<Location> {
     let cursor = Cursor::new(whole, at);
     let word = whole.get(cursor.content(whole)).filter(|_| cursor.within == Within::Text)?;
-    let key = cursor.frames.iter().rev().find_map(|frame| frame.key)?;
+    let key = field_of(&cursor)?;
     let scene = || {
         let own = data_file::paths::beside(name, word);
         let of_tree = Some(format!("scenes/{word}.ron"));
