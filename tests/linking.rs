@@ -67,7 +67,9 @@ fn a_member_without_a_value_is_shown_where_it_is_declared() {
 #[test]
 fn a_global_that_does_not_fit_is_shown_where_it_is_declared() {
     let errors = errors_with("var view_depth: texture_2d<f32>;", "var view_depth: texture_2d<u32>;");
-    assert_states(&errors, &["L004", "shaders/count.wgsl:3:5", "pipelines/own.ron:4:9"]);
+    let line = "declare it as `var view_depth: texture_2d<f32>;`";
+    let found = "`view_depth` is declared as texture_2d<u32>, but `view.depth` is a texture of r32float";
+    assert_states(&errors, &["L004", "shaders/count.wgsl:3:5", "pipelines/own.ron:4:9", found, line]);
 }
 
 #[test]

@@ -116,13 +116,27 @@ impl Member {
 /// What sort of resource a [`Member`] is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Content {
-    /// A texture, or an array of them. The passes of the tree write it in this format, and a pass in WGSL alone that
-    /// names no format for a target gets it. Consumers read any format of the same sort.
+    /// A texture. The passes of the tree write it in this format, and a pass in WGSL alone that names no format for a
+    /// target gets it. Consumers read any format of the same sort.
     Texture(Format),
+    /// The same with layers.
+    TextureArray(Format),
     /// A buffer that holds this struct.
     Struct(Struct),
-    /// A buffer whose content the producer's module alone reads, or that holds plain numbers.
+    /// A buffer that holds an array of this type: `u32`.
+    Array(&'static str),
+    /// A buffer whose content the producer's module alone reads.
     Buffer,
+}
+
+impl Content {
+    /// Returns the format of a texture.
+    pub fn format(self) -> Option<Format> {
+        match self {
+            Content::Texture(format) | Content::TextureArray(format) => Some(format),
+            Content::Struct(_) | Content::Array(_) | Content::Buffer => None,
+        }
+    }
 }
 
 /// A struct of a WGSL file, whose layout in memory is found by reflection of the file.

@@ -20,8 +20,8 @@ pub const INTERFACE: Interface = Interface::new(
     "The cluster of each texel of a reflective shadow map.",
     &[Member::required(
         "",
-        Content::Texture(Format::R32Uint),
-        "array, as the reflective shadow map: index of the cluster; 2³² - 1 where the texel is unlit or in the window of \
+        Content::TextureArray(Format::R32Uint),
+        "as the reflective shadow map: index of the cluster; 2³² - 1 where the texel is unlit or in the window of \
          none",
     )],
 )

@@ -9,7 +9,7 @@ pub const COUNT: Fact<u32> = Fact::required("count", "the number of points that 
 pub const INTERFACE: Interface = Interface::new(
     "Density",
     "The probability density of each of a number of points, with respect to the area of surfaces.",
-    &[Member::required("", Content::Buffer, "f32 a point: density [1/m²]; 0 where there is no point")],
+    &[Member::required("", Content::Array("f32"), "density of each point [1/m²]; 0 where there is no point")],
 )
 .with_facts(&[COUNT.decl()]);
 

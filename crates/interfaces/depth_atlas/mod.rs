@@ -22,8 +22,8 @@ pub const INTERFACE: Interface = Interface::new(
     "Hemispherical depth maps as splatted, one a virtual light.",
     &[Member::required(
         "",
-        Content::Buffer,
-        "[count × tile × tile] u32, map after map: the bits of the distance [m]; those of +∞ where nothing fell",
+        Content::Array("u32"),
+        "[count × tile × tile], map after map: the bits of the distance [m]; those of +∞ where nothing fell",
     )],
 )
 .with_facts(&[TILE.decl(), COUNT.decl(), DEPTH_BIAS.decl(), SLOPE_BIAS.decl()]);

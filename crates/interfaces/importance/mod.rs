@@ -22,16 +22,16 @@ pub const INTERFACE: Interface = Interface::new(
     "How much each texel of a reflective shadow map matters, in any unit: f(v) ≥ 0 of TCAS Eq. 1. Module: defines `fn \
      importance(layer: u32, texel: vec2<u32>) -> f32`, which reads what it is stored as.",
     &[
-        Member::optional("map", Content::Texture(Format::R32Float), "array: f(v) of each texel"),
+        Member::optional("map", Content::TextureArray(Format::R32Float), "f(v) of each texel"),
         Member::optional(
             "response",
-            Content::Texture(Format::Rgba32Float),
-            "array: response of the view to a texel of each block [1/extents²]",
+            Content::TextureArray(Format::Rgba32Float),
+            "response of the view to a texel of each block [1/extents²]",
         ),
-        Member::optional("samples", Content::Struct(VIEW_SAMPLE), "samples of the view"),
-        Member::optional("position", Content::Texture(Format::Rgba32Float), "of the reflective shadow map"),
-        Member::optional("normal", Content::Texture(Format::Rgba16Float), "of the reflective shadow map"),
-        Member::optional("flux", Content::Texture(Format::Rgba32Float), "of the reflective shadow map"),
+        Member::optional("samples", Content::Array("ViewSample"), "samples of the view (view-sample.wgsl)"),
+        Member::optional("position", Content::TextureArray(Format::Rgba32Float), "of the reflective shadow map"),
+        Member::optional("normal", Content::TextureArray(Format::Rgba16Float), "of the reflective shadow map"),
+        Member::optional("flux", Content::TextureArray(Format::Rgba32Float), "of the reflective shadow map"),
     ],
 )
 .with_facts(&[STRIDE.decl(), VIEW_SAMPLES.decl(), MIN_DISTANCE.decl(), DEFENSIVE.decl()])

@@ -11,8 +11,8 @@ pub const INTERFACE: Interface = Interface::new(
     "Which of a few virtual lights or points, such as clusters, each of many belongs to.",
     &[Member::required(
         "",
-        Content::Buffer,
-        "u32 a light or point: the index of its owner; 2^32 - 1 for none",
+        Content::Array("u32"),
+        "for each light or point, the index of its owner; 2^32 - 1 for none",
     )],
 )
 .with_facts(&[COUNT.decl()]);

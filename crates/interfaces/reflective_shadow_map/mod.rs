@@ -9,28 +9,28 @@ pub const INTERFACE: Interface = Interface::new(
     &[
         Member::required(
             "position",
-            Content::Texture(Format::Rgba32Float),
-            "array: world position [m], and distance along the layer's axis [m]; 0 where empty",
+            Content::TextureArray(Format::Rgba32Float),
+            "world position [m], and distance along the layer's axis [m]; 0 where empty",
         ),
         Member::required(
             "normal",
-            Content::Texture(Format::Rgba16Float),
-            "array: interpolated normal in world space, unit, on the side of the light; normal maps do not bend it",
+            Content::TextureArray(Format::Rgba16Float),
+            "interpolated normal in world space, unit, on the side of the light; normal maps do not bend it",
         ),
         Member::required(
             "flux",
-            Content::Texture(Format::Rgba32Float),
-            "array: flux reflected by the texel's part of the surface [W]; in alpha the area of that part [m²]",
+            Content::TextureArray(Format::Rgba32Float),
+            "flux reflected by the texel's part of the surface [W]; in alpha the area of that part [m²]",
         ),
         Member::optional(
             "albedo",
-            Content::Texture(Format::Rgba16Float),
-            "array: diffuse reflectance; in alpha, the flux that is reflected under a normal map, over that without",
+            Content::TextureArray(Format::Rgba16Float),
+            "diffuse reflectance; in alpha, the flux that is reflected under a normal map, over that without",
         ),
         Member::optional(
             "specular",
-            Content::Texture(Format::Rgba16Float),
-            "array: specular reflectance at normal incidence, and in alpha roughness; where a surface is glossy",
+            Content::TextureArray(Format::Rgba16Float),
+            "specular reflectance at normal incidence, and in alpha roughness; where a surface is glossy",
         ),
     ],
 );

@@ -29,16 +29,16 @@ pub const INTERFACE: Interface = Interface::new(
     &[
         Member::optional(
             "atlas",
-            Content::Texture(Format::R32Float),
-            "array: paraboloid maps of the distance [m], one tile a virtual light, row by row and layer by layer; a \
+            Content::TextureArray(Format::R32Float),
+            "paraboloid maps of the distance [m], one tile a virtual light, row by row and layer by layer; a \
              large number where nothing is",
         ),
         Member::optional(
             "basis",
-            Content::Buffer,
-            "u32: images of the atlas in several levels, prefiltered for a series of the depth test",
+            Content::Array("u32"),
+            "images of the atlas in several levels, prefiltered for a series of the depth test",
         ),
-        Member::optional("owners", Content::Buffer, "where lights share maps, u32 a light: whose map is its own"),
+        Member::optional("owners", Content::Array("u32"), "where lights share maps, for each light: whose map is its own"),
         Member::optional(
             "sources",
             Content::Struct(virtual_lights::LIGHTS),

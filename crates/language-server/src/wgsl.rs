@@ -6,7 +6,7 @@ use crate::workspace::Workspace;
 use catalog::Catalog;
 use data_file::{Diagnostic, Diagnostics, Source, Span};
 use frame_graph::port::PassTypes as _;
-use frame_graph::{Content, Interface, Member};
+use frame_graph::{Interface, Member};
 use lsp_types::{CompletionItem, CompletionItemKind, Location};
 use shader_library::{DeclaredPort, Outline, Request, codes};
 use std::collections::BTreeMap;
@@ -280,7 +280,8 @@ pub(crate) fn hover(
         return Some((format!("**{}** {}\n\n{}", setting.name, takes(setting), setting.doc), range));
     }
     if let Some((port, known, member)) = outline.as_ref().and_then(|outline| bound(catalog, outline, word)) {
-        let member = member.map_or(String::new(), |member| format!("\n\n{} {}", content(member), member.doc));
+        let line = |member: &Member| pass::declaration::of_member(word, member.content).unwrap_or_default();
+        let member = member.map_or(String::new(), |member| format!("\n\n`{}` {}", line(member), member.doc));
         return Some((format!("`{}: {}` {}{member}", port.name, known.name, port.doc), range));
     }
     let found = declared(workspace, name, word)?;
@@ -305,15 +306,6 @@ fn comment_before(text: &str, at: usize) -> String {
     let mut lines: Vec<&str> = text[..at].lines().rev().map_while(comment).collect();
     lines.reverse();
     lines.join("\n")
-}
-
-/// Returns what sort of resource a member is, as WGSL declares it.
-fn content(member: &Member) -> String {
-    match member.content {
-        Content::Texture(format) => format!("texture `{}`", format.name()),
-        Content::Struct(of) => format!("buffer of `{}`", of.name),
-        Content::Buffer => "buffer".to_owned(),
-    }
 }
 
 /// Returns what may be typed at a byte of a WGSL file.
@@ -394,13 +386,11 @@ fn names(workspace: &Workspace, name: &str, outline: Option<&Outline>) -> Vec<Of
     for port in ports {
         let known = catalog.interfaces().iter().find(|known| known.name == port.interface);
         for member in known.into_iter().flat_map(|known| known.members) {
-            let global = if member.name.is_empty() {
-                port.name.clone()
-            } else {
-                format!("{}_{}", port.name, member.name)
-            };
+            let global = pass::declaration::global(&port.name, member.name);
+            let line = pass::declaration::of_member(&global, member.content);
+            let detail = format!("{}: {}", port.interface, line.unwrap_or_default());
             let offer = Offer::new(global, CompletionItemKind::VARIABLE);
-            found.push(offer.detail(format!("{}: {}", port.interface, content(member))).doc(member.doc));
+            found.push(offer.detail(detail).doc(member.doc));
         }
     }
     let scene = pass::scene_bindings::GLOBALS.iter();

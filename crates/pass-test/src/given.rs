@@ -3,7 +3,6 @@
 use crate::TestPass;
 use frame_graph::{Extent, Facts, OutputDesc, ResourceDesc, TextureDesc, Usage};
 use interfaces::INTERFACES;
-use pass::Content;
 
 /// An input that a test gives: a pass of one output port, of the input's name, whose resources hold given bytes.
 pub(crate) struct Given {
@@ -44,12 +43,10 @@ impl Given {
             if self.members.iter().any(|given| given.name == member.name) {
                 continue;
             }
-            let desc = match (member.content, &size) {
-                (Content::Struct(_) | Content::Buffer, _) => ResourceDesc::buffer(16),
-                (Content::Texture(format), Some(like)) => {
-                    ResourceDesc::Texture(TextureDesc { format, ..like.clone() })
-                }
-                (Content::Texture(format), None) => ResourceDesc::texture_2d(format, (1, 1)),
+            let desc = match (member.content.format(), &size) {
+                (None, _) => ResourceDesc::buffer(16),
+                (Some(format), Some(like)) => ResourceDesc::Texture(TextureDesc { format, ..like.clone() }),
+                (Some(format), None) => ResourceDesc::texture_2d(format, (1, 1)),
             };
             let bytes = vec![0xff; desc.bytes() as usize];
             self.members.push(GivenMember { name: member.name.to_owned(), desc, bytes });

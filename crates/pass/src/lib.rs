@@ -13,6 +13,7 @@
 //! | `camera`, `frame`, `scene_…` | the scene bindings: see [`scene_bindings`] |
 
 pub mod codes;
+pub mod declaration;
 mod link;
 mod record;
 pub mod reflected;

@@ -3,7 +3,7 @@
 
 use crate::codes;
 use crate::record::{Compute, Draw, PortDesc, Raster, RecordContext, Recording, Step, WINDOW_ALIGNMENT};
-use crate::{Interface, Pass, scene_bindings};
+use crate::{Interface, Pass, declaration, scene_bindings};
 use data_file::Code;
 use fit::{describe, describe_global, mismatch};
 use frame_graph::plan::{Begins, HistoryId, PassId, Plan, PlannedPass, ResourceId};
@@ -353,10 +353,21 @@ impl StepLinker<'_> {
                     describe(&named.desc)
                 ),
                 place,
-                vec![why.to_owned()],
+                vec![why.to_owned(), self.line_for(&global.name, named)],
             ));
         }
         Ok(named.source.clone())
+    }
+
+    /// Returns the advice by what line to declare a global of a resource.
+    fn line_for(&self, global: &str, named: &Named) -> String {
+        let (port, member) = named.name.split_once('.').unwrap_or((&named.name, ""));
+        let mut ports = self.inputs.iter().chain(self.outputs);
+        let interface = ports.find(|known| known.name == port).map(|known| &*known.interface);
+        let interface = self.interfaces.iter().find(|known| Some(known.name) == interface);
+        let content = interface.and_then(|known| known.member(member)).map(|member| member.content);
+        let line = declaration::of_resource(global, &named.desc, content, named.writable);
+        format!("declare it as `{line}`")
     }
 
     /// Checks that a global can see these bytes of what it is bound to.

@@ -57,8 +57,8 @@ fn rust_has_the_layouts_of_the_wgsl() {
         Content::Struct(structure) => Some(structure.file),
         _ => None,
     });
-    let shared =
-        ["camera", "frame", "lights", "ray-tracing", "scene"].map(|name| format!("shaders/{name}.wgsl"));
+    let shared = ["camera", "frame", "lights", "ray-tracing", "scene", "view-sample"]
+        .map(|name| format!("shaders/{name}.wgsl"));
     let others = ["crates/interfaces/points/surface-sample.wgsl", "crates/interfaces/tests/forms.wgsl"];
     let mut left: Vec<_> = layouts.iter().map(|layout| layout.name.as_str()).collect();
     for file in files.chain(others).chain(shared.iter().map(String::as_str)) {

@@ -1,5 +1,6 @@
 //! Whether a global of a shader can be bound to a resource.
 
+use crate::declaration;
 use frame_graph::ResourceDesc;
 use frame_graph::resource::SampleKind;
 use shader_library::{Access, Dimension, GlobalKind, Sample};
@@ -48,7 +49,7 @@ pub(super) fn describe(desc: &ResourceDesc) -> String {
         ResourceDesc::Buffer(buffer) => format!("a buffer of {} bytes", buffer.bytes),
         ResourceDesc::Texture(texture) => {
             let array = if texture.array { format!(" of {} layers", texture.layers) } else { String::new() };
-            format!("a {} texture{array}", texture.format.name())
+            format!("a texture of {}{array}", texture.format.name())
         }
     }
 }
@@ -60,9 +61,9 @@ pub(super) fn describe_global(kind: &GlobalKind) -> String {
         GlobalKind::Storage { writable, .. } => {
             format!("var<storage, {}>", if *writable { "read_write" } else { "read" })
         }
-        GlobalKind::Texture { dimension, sample, .. } => format!("a {dimension:?} texture of {sample:?}"),
+        GlobalKind::Texture { dimension, sample, .. } => declaration::texture_type(*dimension, *sample),
         GlobalKind::StorageTexture { format, access, dimension } => {
-            format!("a {dimension:?} storage texture of {format}, {access:?}")
+            declaration::storage_texture_type(*dimension, format, *access)
         }
         GlobalKind::Sampler { .. } => "a sampler".to_owned(),
         GlobalKind::AccelerationStructure => "an acceleration structure".to_owned(),

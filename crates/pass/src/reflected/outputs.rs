@@ -5,7 +5,7 @@ use super::scope::{Scope, Wrong};
 use super::written::{Form, Written, fixed_count, sort};
 use super::{Reflected, begins, facts, instead, list, member_of};
 use crate::{
-    Clear, Content, Extent, Fact, Format, Interface, OutputContext, OutputDesc, OutputPort, PassTypeError,
+    Clear, Extent, Fact, Format, Interface, OutputContext, OutputDesc, OutputPort, PassTypeError,
     ResourceDesc, Usage, UseContext,
 };
 use shader_library::{DeclaredPort, FormulaText, GlobalKind, TypeLayout};
@@ -458,7 +458,7 @@ fn extent(scope: &Scope<'_>, text: &str) -> Result<Extent, Wrong> {
 /// The format in which the passes of the tree write a texture of an interface; `None` where the member is a buffer or
 /// there is none of that name.
 fn format_of(interface: &Interface, member: &str) -> Option<Format> {
-    if let Content::Texture(format) = interface.member(member)?.content { Some(format) } else { None }
+    interface.member(member)?.content.format()
 }
 
 /// The format of a target: as said, or the widest that every GPU can blend for the type of its texels.
