@@ -11,6 +11,7 @@ use scene::SceneError;
 use serde_json::{Value, json};
 use std::io::{ErrorKind, Write as _};
 use std::path::Path;
+use std::time::Duration;
 
 /// Prints a line on standard output, with control characters [written out](visible). If its reader has gone (`lightloom check | head`), the line is dropped, and the exit
 /// code stays that of the command. If it cannot be written for another reason, such as a full disk, the program fails.
@@ -120,15 +121,25 @@ pub(crate) fn diagnostics<'e>(error: &'e (dyn std::error::Error + 'static)) -> O
     error.downcast_ref::<SceneError>().and_then(of_scene).or_else(|| error.downcast_ref())
 }
 
-/// Creates a progress bar for work of this many parts, on a terminal; for one part, none.
+/// Shows on a terminal that work of this many parts goes on, and for how long; elsewhere nothing.
 pub(crate) fn progress(parts: u64, what: &str) -> ProgressBar {
-    if parts <= 1 {
-        return ProgressBar::hidden();
+    let bar = ProgressBar::new_spinner().with_message(what.to_owned());
+    set_parts(&bar, parts);
+    bar.enable_steady_tick(Duration::from_millis(200));
+    bar
+}
+
+/// Sets the number of parts; of one, the time alone is shown.
+pub(crate) fn set_parts(bar: &ProgressBar, parts: u64) {
+    if bar.length() == Some(parts) {
+        return;
     }
-    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}, {eta} left");
-    ProgressBar::new(parts)
-        .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
-        .with_message(what.to_owned())
+    let template = match parts {
+        0 | 1 => "{msg}, {elapsed}",
+        _ => "{msg} {wide_bar} {pos}/{len} after {elapsed}, {eta} left",
+    };
+    bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
+    bar.set_length(parts);
 }
 
 /// Writes a file, which is complete or absent.

@@ -6,12 +6,12 @@ mod report;
 mod watch;
 
 use crate::context::{Context, Sort, Values, parse_size};
-use crate::output::{progress, stderr, warn};
+use crate::output::{progress, set_parts, stderr, warn};
 use anyhow::{Context as _, Result, bail};
 use faults::explain_black;
 use frame_graph::{CompileOptions, LinkContext, Overrides, Value};
 use metrics::{Display, FileFormat, Tonemap};
-use renderer::{Catalog, Compiled, FrameOptions, Gpu, Provenance, Renderer, compile_options};
+use renderer::{Catalog, Compiled, FrameOptions, Gpu, Progress, Provenance, Renderer, compile_options};
 use report::{Rendered, report};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -209,7 +209,8 @@ fn render(
     renderer.set_frame_index(args.first_frame);
     // A picture that takes many frames to be done is a long task, too.
     let progressive = frames == 1 && renderer.plan().is_some_and(|plan| plan.output("progress").is_some());
-    let bar = progress(if progressive { u64::MAX } else { u64::from(frames) }, "rendering");
+    // Its number of steps is known after the first of them.
+    let bar = progress(if progressive { 1 } else { u64::from(frames) }, "rendering");
     let start = Instant::now();
     let mut log = args.log.as_deref().map(log::FrameLog::new).transpose()?;
     let mut done = Rendered::default();
@@ -221,9 +222,15 @@ fn render(
         let begun = Instant::now();
         renderer.frame_until_done(|report, progress| {
             done.times.push(report.times.clone());
-            if let Some(progress) = progress.filter(|_| progressive) {
-                bar.set_length(u64::from(progress.steps));
-                bar.set_position(u64::from(progress.step));
+            match progress {
+                Some(progress) if progressive => {
+                    set_parts(&bar, u64::from(progress.steps));
+                    bar.set_position(u64::from(progress.step));
+                }
+                Some(Progress { step, steps, .. }) => {
+                    bar.set_message(format!("rendering, step {step} of {steps} of a frame"));
+                }
+                None => {}
             }
             ControlFlow::Continue(())
         })?;
@@ -242,7 +249,7 @@ fn render(
                 let path = out.path(args.first_frame + frame, (args.output.len() > 1).then_some(output));
                 done.broken.look(&picture, output, args.first_frame + frame);
                 if frame + 1 == frames {
-                    explain_black(renderer, &picture, output);
+                    bar.suspend(|| explain_black(renderer, &picture, output));
                 }
                 let display = Display::of_output(output, display);
                 let record = Provenance::new(renderer, &args.scene, (output, args.layer), args.first_frame);
