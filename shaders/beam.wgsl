@@ -32,6 +32,7 @@ fn texel_beam(texel: vec3<u32>, size: vec2<u32>) -> Beam {
     return Beam(light_intensity(light, direction) * section, section, origin, direction, false);
 }
 
+/// Returns the middle of a texel of a map of `size` texels, on the plane at distance 1 that is `half_extent` to each side.
 fn texel_middle(at: vec2<u32>, size: vec2<u32>, half_extent: vec2<f32>) -> vec2<f32> {
     return ((vec2<f32>(at) + 0.5) / vec2<f32>(size) * 2.0 - 1.0) * vec2(1.0, -1.0) * half_extent;
 }

@@ -53,6 +53,7 @@ struct BvhRay {
     shear: mat3x3<f32>,
 }
 
+/// Prepares a ray from `origin` [m] for traversal; `direction` has any length but 0.
 fn bvh_ray(origin: vec3<f32>, direction: vec3<f32>) -> BvhRay {
     let d = direction;
     let size = abs(d);

@@ -7,6 +7,7 @@
 #import "emitters.wgsl"
 #import "reflected-light.wgsl"
 
+/// Returns the number in [0, 1] at which the interval of an emitter begins.
 fn interval_start(emitter: u32) -> u32 {
     return scene_emitters.emitters[emitter].for_paths;
 }

@@ -22,6 +22,7 @@ struct PointsFacts {
 var<uniform> points_facts: PointsFacts;
 var<storage, read> points: Amplification;
 
+/// Returns how many points the triangles before one have.
 fn interval_start(triangle: u32) -> u32 {
     return points.starts[triangle];
 }

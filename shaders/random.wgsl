@@ -8,6 +8,7 @@ fn hash(value: u32) -> u32 {
     return (word >> 22u) ^ word;
 }
 
+/// Returns a hash of two numbers, whose order matters.
 fn hash2(a: u32, b: u32) -> u32 {
     return hash(a ^ hash(b + 0x9e3779b9u));
 }

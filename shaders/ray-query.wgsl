@@ -21,6 +21,8 @@ fn occluded(origin: vec3<f32>, direction: vec3<f32>, nearest: f32, farthest: f32
     return found.kind != RAY_QUERY_INTERSECTION_NONE;
 }
 
+/// Returns the intersection of a ray that the adapter finds within (nearest, farthest), in lengths of the direction; `flags`
+/// are those of a ray query.
 fn query_rays(
     origin: vec3<f32>, direction: vec3<f32>, nearest: f32, farthest: f32, flags: u32,
 ) -> RayIntersection {

@@ -65,6 +65,7 @@ fn specular_share(at: Surface) -> f32 {
     return select(0.0, specular / (diffuse + specular), specular > 0.0);
 }
 
+/// Returns the width α of the specular lobe of a surface: its roughness squared.
 fn lobe_alpha(at: Surface) -> f32 {
     return max(at.roughness * at.roughness, 1e-3);
 }

@@ -19,6 +19,7 @@ struct SurfaceAround {
     slope: vec3<f32>,
 }
 
+/// Returns the surface at a pixel of a view of `size` pixels, at that depth [m] and with that unit normal.
 fn surface_around(pixel: vec2<u32>, size: vec2<u32>, depth: f32, normal: vec3<f32>) -> SurfaceAround {
     let steps = pixel_ray_steps(size);
     let plane = plane_normal(pixel, normal);

@@ -12,6 +12,7 @@ struct Triangle {
     b: vec3<f32>,
 }
 
+/// Returns a triangle of the scene in world space [m].
 fn triangle_of_scene(index: u32) -> Triangle {
     let corner = scene_vertices[scene_indices[3u * index]].position;
     let a = scene_vertices[scene_indices[3u * index + 1u]].position - corner;

@@ -8,6 +8,7 @@ struct VisibilityFacts {
 
 var<uniform> visibility_facts: VisibilityFacts;
 
+/// Returns 1 where the light of that index is seen from `at` [m] with the unit `normal`, by one texel of its map; else 0.
 fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32 {
     let lookup = atlas_lookup(light, at, normal);
     if lookup.behind {

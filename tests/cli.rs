@@ -241,6 +241,7 @@ fn graphs_lists_and_differences_are_printed() {
         ("pipelines", "ism-invtm"),
         ("scenes", "cornell-box"),
         ("passes", "gather"),
+        ("interfaces", "GBuffer"),
         ("measures", "rel-mse"),
     ];
     for (command, word) in listed {
@@ -249,6 +250,52 @@ fn graphs_lists_and_differences_are_printed() {
     }
     for kind in ["gather", "splat", "fullscreen"] {
         lightloom(&["passes", kind]).success();
+    }
+    let lights = lightloom(&["interfaces", "VirtualLights"]).success();
+    lights.says(&[
+        "var<storage, read> PORT: VirtualLights;",
+        "flux: vec3<f32>,",
+        "output of sample-uniform",
+        "input of ",
+    ]);
+    let view = lightloom(&["interfaces", "GBuffer", "--json"]).success().json();
+    assert_eq!(view["members"][0]["declaration"], "var PORT_depth: texture_2d<f32>;");
+    lightloom(&["interfaces", "GBufer"]).failure(1, &["did you mean `GBuffer`?"]);
+}
+
+#[test]
+fn a_new_variant_is_right_as_it_is_written() {
+    let folder = Folder::new(&[]);
+    let new = |name: &str, base: &str| run_in(&folder, &["new", name, "--extends", base]);
+    new("mine", "ism").success().says(&["lightloom check mine.ron"]);
+    assert!(folder.read("mine.ron").contains("// Set(\"rsm.size\", 512), // Side of a layer\n"));
+    run_in(&folder, &["check", "mine.ron"]).success();
+    run_in(&folder, &["diff", "ism", "mine.ron"]).says(&["no difference"]);
+    new("mine.ron", "ism").failure(1, &["mine.ron exists already"]);
+    new("mine.txt", "ism").failure(1, &["a name that ends in .ron"]);
+    new("other", "isn").failure(1, &["did you mean `ism`?"]);
+    new("other", "cornell-box").failure(1, &["a pipeline is expected here"]);
+    assert!(!folder.at("other.ron").exists());
+}
+
+/// On a terminal alone, work that takes long shows that it goes on.
+#[test]
+#[cfg(unix)]
+fn progress_is_shown_on_a_terminal_alone() {
+    let Some(folder) = Folder::with_gpu(&[]) else { return };
+    let render = [&["render", "ism", "cornell-box", "-o", "r.png"], QUICK].concat();
+    let piped = run_in(&folder, &render).success();
+    assert!(!piped.err.contains("rendering"), "{piped}");
+    let line = [&[env!("CARGO_BIN_EXE_lightloom")], &render[..]].concat().join(" ");
+    // `script` gives its command a terminal.
+    let mut script = Command::new("script");
+    script.current_dir(&*folder).args(["--quiet", "--return", "--command", &line, "/dev/null"]);
+    match script.output() {
+        Ok(output) => {
+            let shown = String::from_utf8_lossy(&output.stdout).into_owned();
+            assert!(output.status.success() && shown.contains("rendering"), "{shown}");
+        }
+        Err(error) => println!("skipped: `script` does not run: {error}"),
     }
 }
 

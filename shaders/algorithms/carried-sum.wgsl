@@ -17,6 +17,7 @@ fn carried_sum(sum: CarriedSum, x: f32) -> f32 {
     return sum.parts.w + (sum.parts.z + (sum.parts.y + (sum.parts.x + x)));
 }
 
+/// Returns the sum with one more number.
 fn with_number(sum: CarriedSum, x: f32) -> CarriedSum {
     var parts = sum.parts;
     let count = sum.count + 1u;

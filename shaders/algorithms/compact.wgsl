@@ -8,16 +8,19 @@
 
 #import "algorithms/scan.wgsl"
 
+/// Returns 1 where element `i` is kept, else 0.
 fn scan_element(i: u32) -> u32 {
     return select(0u, 1u, compact_keeps(i));
 }
 
+/// Moves element `i`, where it is kept, behind the kept ones before it.
 fn scan_store(i: u32, before: u32, sum: u32) {
     if sum != before {
         compact_move(i, before);
     }
 }
 
+/// Hands on the number of elements that are kept.
 fn scan_total(sum: u32) {
     compact_count(sum);
 }

@@ -10,16 +10,20 @@ var<uniform> settings: Settings;
 /// [digits][blocks]
 var<storage, read_write> sort_offsets: array<u32>;
 
+/// Returns the number of counts: one for each digit and block.
 fn scan_length() -> u32 {
     return 16u * settings.sort_blocks;
 }
 
+/// Returns a count.
 fn scan_element(i: u32) -> u32 {
     return sort_offsets[i];
 }
 
+/// Replaces a count by the sum of those before it.
 fn scan_store(i: u32, before: u32, sum: u32) {
     sort_offsets[i] = before;
 }
 
+/// Ignores the sum of all, which is the number of keys.
 fn scan_total(sum: u32) {}

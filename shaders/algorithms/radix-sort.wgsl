@@ -37,6 +37,7 @@ var<workgroup> digit_counts: array<atomic<u32>, DIGITS>;
 /// [words][threads]
 var<workgroup> shared_counts: array<u32, WORDS * GROUP_SIZE>;
 
+/// Returns the number of keys that are sorted.
 fn length_of_keys() -> u32 {
 #if COUNTED
     return min(sort_count[0], settings.sort_length);
@@ -45,6 +46,7 @@ fn length_of_keys() -> u32 {
 #endif
 }
 
+/// Returns the digit of a key that this pass of the sort looks at.
 fn digit_of(key: u32) -> u32 {
     return (key >> settings.sort_shift) % DIGITS;
 }

@@ -57,6 +57,7 @@ fn in_units(x: Scaled, exponent: i32) -> f32 {
     return times_power_of_two(x.value, x.exponent - exponent);
 }
 
+/// Returns the sum of two numbers, with the greater of their exponents.
 fn add_scaled(a: Scaled, b: Scaled) -> Scaled {
     let exponent = max(magnitude(a), magnitude(b));
     return Scaled(in_units(a, exponent) + in_units(b, exponent), exponent);

@@ -14,6 +14,7 @@
 /// [blocks][1 + BLOCK_SIZE] The sum of a block, and then of all blocks before it; sums from the first of the block on.
 var<storage, read_write> scan_sums: array<u32>;
 
+/// Returns the index in `scan_sums` at which the sums of a block begin.
 fn place_of_block(block: u32) -> u32 {
     return block * (BLOCK_SIZE + 1u);
 }

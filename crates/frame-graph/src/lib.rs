@@ -128,7 +128,7 @@ pub use port::{
     PassTypes, Ports, SceneBindings, Usage, Use,
 };
 pub use resolve::{
-    Difference, Files, Overrides, Resolved, Settable, diff, resolve, resolve_description, variant,
+    Difference, Files, Overrides, Resolved, Settable, diff, resolve, resolve_description, template, variant,
 };
 pub use resource::{BufferDesc, Clear, Extent, Format, ResourceDesc, TextureDesc, human_bytes};
 pub use succession::Succession;

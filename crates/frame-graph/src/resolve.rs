@@ -12,12 +12,14 @@ mod old;
 mod ports;
 mod print;
 mod settable;
+mod template;
 mod unused;
 mod variant;
 
 pub use diff::{Difference, diff};
 pub use locate::named;
 pub use settable::Settable;
+pub use template::template;
 pub use variant::variant;
 
 use crate::codes;

@@ -42,7 +42,7 @@ pub use interface::{
 pub use layout::{MemberLayout, StructLayout, WriteError, write_struct};
 pub use library::{FileInfo, Library, MAX_VARIANTS, Request};
 pub use port::{Argument, DeclaredPort, FormulaText};
-pub use scan::{declaration, declared};
+pub use scan::{Item, declaration, declared, items};
 pub use settings::setting_name;
 pub use shader::Shader;
 pub use watch::{WatchError, Watcher};

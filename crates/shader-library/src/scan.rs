@@ -306,6 +306,44 @@ pub fn declared(text: &str) -> Vec<(&str, &str)> {
     found
 }
 
+/// A function or a struct of a WGSL file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Item {
+    /// `fn` or `struct`.
+    pub keyword: &'static str,
+    /// The name.
+    pub name: String,
+    /// The declaration: of a function its name, arguments and type; of a struct all of it, with comments.
+    pub declaration: String,
+    /// The doc comment above it, in one line.
+    pub doc: String,
+    /// Whether it is an entry point.
+    pub is_entry: bool,
+}
+
+/// Returns the functions and structs of a text, in its order.
+pub fn items(text: &str) -> Vec<Item> {
+    let named = |(keyword, name): (&str, &str)| {
+        let keyword = ["fn", "struct"].into_iter().find(|known| *known == keyword)?;
+        let at = declaration(text, name)?.start;
+        let start = text[..at].rfind('\n').map_or(0, |end| end + 1);
+        let rest = &text[start..];
+        let declaration = if keyword == "fn" {
+            let head = &rest[..rest.find('{').unwrap_or(rest.len())];
+            head.split_whitespace().collect::<Vec<_>>().join(" ").replace("( ", "(").replace(", )", ")")
+        } else {
+            rest[..rest.find("\n}").map_or(rest.len(), |end| end + 2)].to_owned()
+        };
+        let above = || text[..start].lines().rev().map(str::trim);
+        let is_entry = above().next().is_some_and(|line| line.starts_with('@'));
+        let doc = above().skip_while(|line| line.starts_with('@')).map_while(|line| line.strip_prefix("///"));
+        let mut doc: Vec<&str> = doc.map(str::trim).collect();
+        doc.reverse();
+        Some(Item { keyword, name: name.to_owned(), declaration, doc: doc.join(" "), is_entry })
+    };
+    declared(text).into_iter().filter_map(named).collect()
+}
+
 /// Returns where `word` first stands alone.
 pub(crate) fn find_word(text: &str, word: &str) -> Option<usize> {
     lexemes(text).find(|(lexeme, _)| *lexeme == Lexeme::Word(word)).map(|(_, at)| at)

@@ -46,6 +46,8 @@ enum Command {
     Render(command::render::Args),
     /// Check pipelines, their shaders, scenes and studies, without a GPU
     Check(command::check::Args),
+    /// Write a variant of a pipeline to begin with, with parameters and passes in comments
+    New(command::new::Args),
     /// Lay out RON files: spaces, indentation and commas
     Fmt(command::fmt::Args),
     /// Answer an editor by the Language Server Protocol: completion, errors, definitions
@@ -70,6 +72,8 @@ enum Command {
     Bench(command::bench::Args),
     /// List the pass types, or show one with its ports and settings
     Passes(command::passes::Args),
+    /// List the interfaces, the types of ports, or show one with its members as WGSL declares them
+    Interfaces(command::interfaces::Args),
     /// List the pipelines, or show one with its outputs and parameters
     Pipelines(command::lists::PipelinesArgs),
     /// List the scenes
@@ -151,6 +155,7 @@ fn main() -> ExitCode {
         Command::View(args) => command::view::run(&context, args),
         Command::Render(args) => command::render::run(&context, args),
         Command::Check(args) => command::check::run(&context, args),
+        Command::New(args) => command::new::run(&context, args),
         Command::Fmt(args) => command::fmt::run(&context, args),
         Command::Lsp(args) => command::lsp::run(has_root, &context, args),
         Command::Graph(args) => command::graph::run(&context, args),
@@ -163,6 +168,7 @@ fn main() -> ExitCode {
         Command::Precision(args) => command::precision::run(&context, args),
         Command::Bench(args) => command::bench::run(&context, args),
         Command::Passes(args) => command::passes::run(&context, args),
+        Command::Interfaces(args) => command::interfaces::run(&context, args),
         Command::Pipelines(args) => command::lists::pipelines(&context, args),
         Command::Scenes(_) => command::lists::scenes(&context),
         Command::Measures(_) => {

@@ -4,9 +4,10 @@
 use super::{assets, passes, use_of};
 use catalog::Catalog;
 use frame_graph::port::PassTypes;
-use frame_graph::{Overrides, Ports, Setting, Settings, Value};
+use frame_graph::{Content, Interface, Overrides, Setting, Value};
 use pass::{FromWgsl, Pass};
-use std::collections::BTreeMap;
+use shader_library::Item;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// A table: the document, the name in its markers, and the text between these.
@@ -21,6 +22,8 @@ fn tables_of_documents_are_up_to_date() {
         })
         .collect();
     tables.push(("crates/interfaces/README.md".to_owned(), "interfaces", interface_table(&catalog)));
+    tables.push(("docs/interfaces.md".to_owned(), "members", interface_page(&catalog)));
+    tables.push(("docs/wgsl.md".to_owned(), "functions", library_page(&catalog)));
     tables.push(("pipelines/README.md".to_owned(), "pipelines", pipeline_table(&catalog, true)));
     tables.push(("README.md".to_owned(), "pipelines", pipeline_table(&catalog, false)));
 
@@ -58,13 +61,14 @@ fn with_table(document: &str, name: &str, table: &str) -> Option<String> {
     Some([before, &begin(name), table, &end(name), after].concat())
 }
 
+/// Returns a text whose units in brackets are not taken for links to items by rustdoc, which has some of these pages too.
+fn escaped(text: &str) -> String {
+    if text.contains("](") { text.to_owned() } else { text.replace('[', "\\[").replace(']', "\\]") }
+}
+
 fn row(cells: &[&str]) -> String {
-    // A unit in brackets would be taken for a link to an item by rustdoc, which has these pages too.
-    let brackets = |cell: String| {
-        if cell.contains("](") { cell } else { cell.replace('[', "\\[").replace(']', "\\]") }
-    };
     let cells: Vec<String> =
-        cells.iter().map(|cell| brackets(cell.replace('|', "\\|").replace('\n', " "))).collect();
+        cells.iter().map(|cell| escaped(&cell.replace('|', "\\|").replace('\n', " "))).collect();
     format!("| {} |\n", cells.join(" | ")).replace("|  |", "| |")
 }
 
@@ -78,7 +82,7 @@ fn pass_table(catalog: &Catalog, kind: &str, settings: &[Setting]) -> String {
     let paper = if about.paper.is_empty() { String::new() } else { format!(" ({})", about.paper) };
     let mut text = format!("{}{paper}.\n\n", about.about.trim_end_matches('.'));
     text += &head(&["port", "interface", ""]);
-    for port in ports(catalog, kind, settings) {
+    for port in catalog.ports_of(kind).unwrap_or_else(|error| panic!("{kind}: {error:?}")) {
         let direction = if port.is_output { "out" } else { "in" };
         let interface = format!("{}{}", port.interface, port.condition);
         text += &row(&[&format!("{direction} `{}`", port.name), &interface, &port.doc]);
@@ -92,61 +96,6 @@ fn pass_table(catalog: &Catalog, kind: &str, settings: &[Setting]) -> String {
         text += &row(&[&name, &default(setting), &range(setting), &setting.doc]);
     }
     text
-}
-
-/// A port of a pass.
-struct Port {
-    name: String,
-    interface: String,
-    doc: String,
-    is_output: bool,
-    /// `, optional`, or the setting with which there is such a port.
-    condition: String,
-}
-
-/// Returns the ports that a pass has by default, and those that it has with another value of one setting.
-fn ports(catalog: &Catalog, kind: &str, settings: &[Setting]) -> Vec<Port> {
-    let with = |changed: Option<(&str, Value)>| {
-        let mut values: BTreeMap<String, Value> =
-            settings.iter().map(|setting| (setting.name.clone(), setting.default.clone())).collect();
-        values.extend(changed.map(|(name, value)| (name.to_owned(), value)));
-        let ports = catalog.ports(use_of(kind), &Settings(values));
-        ports.unwrap_or_else(|error| panic!("{kind}: {error:?}"))
-    };
-    let listed = |ports: &Ports, condition: &str| -> Vec<Port> {
-        let inputs = ports.inputs.iter().map(|port| Port {
-            name: port.name.clone(),
-            interface: port.interface.clone(),
-            doc: port.doc.clone(),
-            is_output: false,
-            condition: if port.optional { ", optional".to_owned() } else { condition.to_owned() },
-        });
-        let outputs = ports.outputs.iter().map(|port| Port {
-            name: port.name.clone(),
-            interface: port.interface.clone(),
-            doc: port.doc.clone(),
-            is_output: true,
-            condition: condition.to_owned(),
-        });
-        inputs.chain(outputs).collect()
-    };
-    let mut all = listed(&with(None), "");
-    for setting in settings {
-        let values = match &setting.default {
-            Value::Bool(on) => vec![Value::Bool(!on)],
-            _ => setting.one_of.to_vec(),
-        };
-        for value in values {
-            let condition = format!(", with `{}: {value}`", setting.name);
-            let ports = listed(&with(Some((&setting.name, value))), &condition);
-            let new = ports.into_iter().filter(|port| {
-                !all.iter().any(|known| known.name == port.name && known.is_output == port.is_output)
-            });
-            let new: Vec<Port> = new.collect();
-            all.extend(new);
-        }
-    }
-    all
 }
 
 /// Returns a value as a table states it: `64`, `runs`, `0.5`.
@@ -174,21 +123,98 @@ fn range(setting: &Setting) -> String {
 
 /// Returns all interfaces, with the passes that output them and those that read them.
 fn interface_table(catalog: &Catalog) -> String {
-    let ports: Vec<(&str, Vec<Port>)> =
-        passes(catalog).map(|(kind, settings)| (kind, ports(catalog, kind, &settings))).collect();
-    let mut interfaces: Vec<_> = catalog.interfaces().iter().collect();
-    interfaces.sort_by_key(|interface| interface.name);
     let mut text = head(&["interface", "holds", "output of", "input of"]);
-    for interface in interfaces {
-        let with = |is_output: bool| {
-            let is_it = |port: &Port| port.interface == interface.name && port.is_output == is_output;
-            let kinds = ports.iter().filter(|(_, ports)| ports.iter().any(is_it)).map(|(kind, _)| *kind);
-            kinds.collect::<Vec<_>>().join(", ")
+    for interface in sorted(catalog) {
+        let with = |is_output| {
+            let kinds = catalog.passes_with(interface.name, is_output);
+            kinds.unwrap_or_else(|error| panic!("{error:?}")).join(", ")
         };
-        let (outputs, inputs) = (with(true), with(false));
-        text += &row(&[&format!("`{}`", interface.name), interface.doc, &outputs, &inputs]);
+        let name = interface.name;
+        let link = format!("[`{name}`](../../docs/interfaces.md#{})", name.to_lowercase());
+        text += &row(&[&link, interface.doc, &with(true), &with(false)]);
     }
     text
+}
+
+fn sorted(catalog: &Catalog) -> Vec<&Interface> {
+    let mut interfaces: Vec<_> = catalog.interfaces().iter().collect();
+    interfaces.sort_by_key(|interface| interface.name);
+    interfaces
+}
+
+/// Returns the members of all interfaces, as a shader declares them.
+fn interface_page(catalog: &Catalog) -> String {
+    let mut text = String::new();
+    for interface in sorted(catalog) {
+        text += &format!("## {}\n\n{}\n\n", interface.name, escaped(interface.doc));
+        text += &head(&["member", "format", "declaration", "what it holds"]);
+        for member in interface.members {
+            let name = if member.name.is_empty() { "the only one" } else { &format!("`{}`", member.name) };
+            let optional = if member.optional { ", optional" } else { "" };
+            let global = pass::declaration::global("PORT", member.name);
+            let line = pass::declaration::of_member(&global, member.content);
+            let line = line.map_or(String::new(), |line| format!("`{line}`"));
+            let format = pass::declaration::format_of(member.content);
+            text += &row(&[&format!("{name}{optional}"), &format, &line, member.doc]);
+        }
+        if !interface.facts.is_empty() {
+            text += "\n";
+            text += &head(&["fact", "type", ""]);
+        }
+        for fact in interface.facts {
+            let optional = if fact.optional { ", optional" } else { "" };
+            text += &row(&[&format!("`{}`{optional}", fact.name), &fact.ty.to_string(), fact.doc]);
+        }
+        if !interface.outputs.is_empty() {
+            let outputs: Vec<String> = interface.outputs.iter().map(|name| format!("`{name}`")).collect();
+            text += &format!("\nOutputs of pipelines that hold it: {}.\n", outputs.join(", "));
+        }
+        for member in interface.members {
+            if let Content::Struct(of) = member.content {
+                let file = of.file.rsplit('/').next().unwrap_or_default();
+                text += &format!("\n`#import \"{file}\"` declares\n\n{}", wgsl(&catalog.structs_of(member)));
+            }
+        }
+        text += "\n";
+    }
+    text
+}
+
+fn wgsl<'i>(items: impl IntoIterator<Item = &'i Item>) -> String {
+    let all: Vec<&str> = items.into_iter().map(|item| item.declaration.as_str()).collect();
+    format!("```wgsl\n{}\n```\n", all.join("\n\n"))
+}
+
+/// Returns the functions and structs of the WGSL that passes share.
+fn library_page(catalog: &Catalog) -> String {
+    let mut text = String::new();
+    for file in catalog.shared_files() {
+        let paper = if file.paper.is_empty() { String::new() } else { format!(" ({})", file.paper) };
+        text += &format!("## {}\n\n{}{paper}\n\n", file.name, escaped(&file.about));
+        let (functions, structs): (Vec<_>, Vec<_>) = file.items.iter().partition(|item| item.keyword == "fn");
+        if !functions.is_empty() {
+            text += &head(&["function", "what it does"]);
+            for item in functions {
+                let signature = item.declaration.strip_prefix("fn ").unwrap_or_default();
+                text += &row(&[&format!("`{signature}`"), &item.doc]);
+            }
+            text += "\n";
+        }
+        if !structs.is_empty() {
+            text += &wgsl(structs);
+            text += "\n";
+        }
+    }
+    text
+}
+
+#[test]
+fn every_function_that_passes_share_says_what_it_does() {
+    let files = Catalog::new(assets()).shared_files();
+    let functions = files.iter().flat_map(|file| file.items.iter().map(move |item| (&file.name, item)));
+    let silent = functions.filter(|(_, item)| item.keyword == "fn" && item.doc.is_empty());
+    let silent: Vec<String> = silent.map(|(file, item)| format!("{file}: {}", item.name)).collect();
+    assert!(silent.is_empty(), "without a doc comment:\n{}", silent.join("\n"));
 }
 
 /// Returns all pipelines with their papers; with links to the files, and what each extends, for the folder's own page.
@@ -226,4 +252,30 @@ fn the_template_of_passes_has_its_tables() {
     let settings = catalog.settings(use_of("new-pass")).unwrap_or_else(|error| panic!("{error:?}"));
     let (readme, table) = (text("README.md"), pass_table(&catalog, "new-pass", &settings));
     assert_eq!(with_table(&readme, "declared", &table).as_ref(), Some(&readme), "it must be\n{table}");
+}
+
+/// The pages say how a shader declares a member as the shaders of the tree do.
+#[test]
+fn declarations_of_members_are_those_of_the_passes() {
+    let catalog = Catalog::new(assets());
+    let mut compared = BTreeSet::new();
+    for (kind, _) in passes(&catalog) {
+        let folder = catalog.shaders().folder(&format!("passes/{kind}"));
+        let texts: Vec<String> = folder.iter().filter_map(|file| assets().text(&file.path)).collect();
+        for port in catalog.ports_of(kind).unwrap_or_else(|error| panic!("{kind}: {error:?}")) {
+            let interface = catalog.interfaces().iter().find(|known| known.name == port.interface);
+            for member in interface.into_iter().flat_map(|known| known.members).filter(|_| !port.is_output) {
+                let global = pass::declaration::global(&port.name, member.name);
+                let Some(line) = pass::declaration::of_member(&global, member.content) else { continue };
+                let (head, _) = line.split_once(':').expect("a declaration");
+                let declared = texts.iter().flat_map(|text| text.lines());
+                for declared in declared.filter(|line| line.starts_with(&format!("{head}:"))) {
+                    assert_eq!(declared, line, "{kind}");
+                    compared.insert((interface.map(|known| known.name), member.name));
+                }
+            }
+        }
+    }
+    let all = catalog.interfaces().iter().flat_map(|known| known.members).count();
+    assert!(compared.len() > all / 2, "{} of {all} members are read: {compared:?}", compared.len());
 }

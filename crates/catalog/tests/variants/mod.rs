@@ -3,7 +3,7 @@
 use super::assets;
 use catalog::{Catalog, PipelineFiles};
 use frame_graph::resolve::Files;
-use frame_graph::{Overrides, Resolved, Settable, Source, Value, ValueType, resolve, variant};
+use frame_graph::{Overrides, Resolved, Settable, Source, Value, ValueType, resolve, template, variant};
 use proptest::prelude::*;
 use proptest::sample::Index;
 use std::sync::{Arc, LazyLock};
@@ -119,5 +119,26 @@ fn there_are_values_of_every_type_to_save() {
     let all = || PIPELINES.iter().flat_map(|(_, _, settable)| settable);
     for ty in [ValueType::Bool, ValueType::U32, ValueType::F32, ValueType::Text] {
         assert!(all().any(|settable| settable.setting.ty == ty), "{ty}");
+    }
+}
+
+#[test]
+fn a_template_changes_nothing_and_each_of_its_comments_is_right() {
+    let about = |text: &str| text.lines().filter(|line| !line.starts_with("    about: ")).collect::<String>();
+    for (base, resolved, _) in PIPELINES.iter() {
+        let text = template(base, resolved, &*CATALOG);
+        let read = |text: &str| resolve("saved.ron", &WithSaved(text.to_owned()), &Overrides::default());
+        let same = read(&text).unwrap_or_else(|errors| panic!("{errors}\n{text}"));
+        assert_eq!(about(&flattened(&same)), about(&flattened(resolved)), "{base}");
+        let is_form = |line: &&str| {
+            let comment = line.strip_prefix("        // ");
+            comment.is_some_and(|text| ["Set(", "Replace(", "\""].iter().any(|form| text.starts_with(form)))
+        };
+        let forms: Vec<&str> = text.lines().filter(is_form).collect();
+        assert!(forms.len() >= resolved.passes().count(), "{text}");
+        for line in forms {
+            let with = text.replacen(line, &line.replacen("// ", "", 1), 1);
+            read(&with).unwrap_or_else(|errors| panic!("{base}, {line}: {errors}"));
+        }
     }
 }
