@@ -1,6 +1,9 @@
 //! Charts as self-contained SVG. Colors and fonts are attributes, so that a file can be put into a paper as it is; every
 //! painted element also has a class, with which a page can change its color.
 
+/// Width of charts without legend and notes \[px\]: narrow enough to be read where a page is narrow.
+const WIDTH: f64 = 540.0;
+
 mod axis;
 mod bars;
 mod drawing;

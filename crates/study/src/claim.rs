@@ -138,20 +138,24 @@ impl Results {
 }
 
 /// The mean of a measure over the cells of each seed, or its exponent.
-type Seeds = BTreeMap<u32, f64>;
+pub(crate) type Seeds = BTreeMap<u32, f64>;
+
+/// Returns whether one mean is less than another, seed by seed and beyond the 95 % interval: the test of an order. Errors that
+/// are both below `floor`, that of the reference itself, are alike.
+pub(crate) fn is_less(less: &Seeds, more: &Seeds, floor: Option<f64>) -> bool {
+    margin_above(less, more, floor, |less, more| more - less)
+        .is_some_and(|margin| above_zero(&margin, true) == Verdict::Holds)
+}
+
+/// Returns the mean over seeds; `None` without any.
+pub(crate) fn mean(seeds: &Seeds) -> Option<f64> {
+    (!seeds.is_empty()).then(|| seeds.values().sum::<f64>() / seeds.len() as f64)
+}
 
 /// Decides a claim by what it says must be above 0: the difference of two means, seed by seed, since the same seed gives
 /// pipelines the same random numbers. Errors that are both below `floor`, that of the reference itself, decide nothing.
 fn verdict(relation: &Relation, seeds: &[Seeds], floor: Option<f64>) -> Option<Verdict> {
-    let margin = |a: &Seeds, b: &Seeds, f: &dyn Fn(f64, f64) -> f64| {
-        let found = margin(a, b, f)?;
-        let is_below = |seeds: &Seeds| {
-            let mean = seeds.values().sum::<f64>() / seeds.len() as f64;
-            floor.is_some_and(|floor| mean < floor)
-        };
-        let alike = Interval { half: Some(f64::INFINITY), ..found };
-        Some(if is_below(a) && is_below(b) { alike } else { found })
-    };
+    let margin = |a: &Seeds, b: &Seeds, f: &dyn Fn(f64, f64) -> f64| margin_above(a, b, floor, f);
     let margins: Option<Vec<Interval>> = match (relation, seeds) {
         (Relation::Order(_), seeds) => {
             seeds.windows(2).map(|pair| margin(&pair[0], &pair[1], &|less, more| more - less)).collect()
@@ -185,10 +189,17 @@ fn verdict(relation: &Relation, seeds: &[Seeds], floor: Option<f64>) -> Option<V
     })
 }
 
+/// The same as [`margin`], of which nothing is known where both means are below `floor`.
+fn margin_above(a: &Seeds, b: &Seeds, floor: Option<f64>, f: impl Fn(f64, f64) -> f64) -> Option<Interval> {
+    let found = margin(a, b, f)?;
+    let is_below = |seeds: &Seeds| mean(seeds).zip(floor).is_some_and(|(mean, floor)| mean < floor);
+    let alike = Interval { half: Some(f64::INFINITY), ..found };
+    Some(if is_below(a) && is_below(b) { alike } else { found })
+}
+
 /// The mean of `f` over the seeds that both have, with its interval; without one, if they have none in common.
 fn margin(a: &Seeds, b: &Seeds, f: impl Fn(f64, f64) -> f64) -> Option<Interval> {
     let common: Vec<f64> = a.iter().filter_map(|(seed, a)| Some(f(*a, *b.get(seed)?))).collect();
-    let mean = |seeds: &Seeds| (!seeds.is_empty()).then(|| seeds.values().sum::<f64>() / seeds.len() as f64);
     match Interval::of(&common) {
         Some(interval) => Some(interval),
         None => Interval::of(&[f(mean(a)?, mean(b)?)]),

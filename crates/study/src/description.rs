@@ -75,6 +75,8 @@ pub struct Study {
     pub source: Arc<Source>,
     /// Name of the file, without its ending.
     pub name: String,
+    /// The title of its report; empty for its name.
+    pub title: String,
     /// What it shows, in one line.
     pub about: String,
     /// The paper's table or figure.

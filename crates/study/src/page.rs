@@ -62,7 +62,7 @@ fn replaced(page: &str, name: &str, section: &str) -> Option<String> {
 
 fn section(results: &Results, tables: &[String]) -> String {
     let study = &results.study;
-    let mut text = format!("\n# {}\n\n{}", study.name, study.about);
+    let mut text = format!("\n# {}\n\n{}", study.heading(), study.about);
     if !study.paper.is_empty() {
         let _ = write!(text, " ({})", study.paper);
     }

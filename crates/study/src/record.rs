@@ -20,6 +20,9 @@ pub struct Results {
 pub struct StudyRecord {
     /// Name of the file, without its ending.
     pub name: String,
+    /// The title of the report; empty for the name.
+    #[serde(default)]
+    pub title: String,
     /// A description, in one line.
     pub about: String,
     /// The paper's table or figure; empty for none.
@@ -71,6 +74,11 @@ pub struct StudyRecord {
 const NOISE: &str = "rel-mse";
 
 impl StudyRecord {
+    /// Returns the title of the report.
+    pub(crate) fn heading(&self) -> &str {
+        if self.title.is_empty() { &self.name } else { &self.title }
+    }
+
     /// Returns the error of the reference of a scene itself, of the worst one if there are several; `None` for other
     /// measures than that of [`ReferenceRecord::noise`], and if it is unknown. Errors below it are alike.
     pub fn noise(&self, scene: &str, measure: &str) -> Option<f64> {

@@ -212,6 +212,7 @@ impl Session<'_> {
         let begun = before.filter(|before| before.name == study.name).map(|before| before.started);
         StudyRecord {
             name: study.name.clone(),
+            title: study.title.clone(),
             about: study.about.clone(),
             paper: study.paper.clone(),
             source: study.source.text.clone(),

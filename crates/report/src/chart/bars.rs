@@ -1,14 +1,14 @@
 //! Horizontal bars from zero, stacked or side by side, with one row for each combination of values.
 
+use super::WIDTH;
 use super::axis::{Axis, BELOW, Frame};
 use super::drawing::{Anchor, Drawing, SMALL, TEXT, Text, shortened, text_width};
 use super::legend::{self, Mark};
 use super::palette::Ink;
 use super::scale::Scale;
 
-const WIDTH: f64 = 680.0;
 /// Greatest width of the label of a row [px]; longer labels are cut.
-const LABELS: f64 = 210.0;
+const LABELS: f64 = 170.0;
 /// Thickness of a bar that is the only one of its row, and of one of several [px].
 const ALONE: f64 = 17.0;
 const AMONG: f64 = 8.0;

@@ -1,5 +1,6 @@
 //! Charts of points with intervals over two axes, joined by lines, with the Pareto front.
 
+use super::WIDTH;
 use super::axis::{Axis, BELOW, Frame};
 use super::drawing::{Anchor, Drawing, Path, SMALL, Style, TINY, Text, shortened, text_width};
 use super::labels::{self, Rect, Wanted};
@@ -7,9 +8,8 @@ use super::legend::{self, FLOOR, FRONT, Mark};
 use super::palette::{self, Ink};
 use super::scale::{Label, Scale, Tick};
 
-/// Size of the chart without legend and notes [px].
-const WIDTH: f64 = 680.0;
-const HEIGHT: f64 = 400.0;
+/// Height of the chart without legend and notes [px].
+const HEIGHT: f64 = 360.0;
 const RADIUS: f64 = 4.8;
 /// A line of more points than this has small markers, so that it stays visible.
 const DENSE: usize = 20;
@@ -200,8 +200,18 @@ impl XyChart {
     fn draw_labels(&self, drawing: &mut Drawing, frame: Frame, x: &Axis, y: &Axis) {
         let points: Vec<&Point> = self.points().collect();
         let place = |p: &Point| (frame.x(x, p.x), frame.y(y, p.y));
-        let taken: Vec<Rect> =
-            points.iter().map(|p| Rect::around(place(p), 2.0 * RADIUS, 2.0 * RADIUS)).collect();
+        // Markers reach beyond their radius.
+        let markers: Vec<Rect> =
+            points.iter().map(|p| Rect::around(place(p), 2.6 * RADIUS, 2.6 * RADIUS)).collect();
+        let lines = self.series.iter().flat_map(|series| &series.lines);
+        let joined = lines.flat_map(|line| line.points.windows(2));
+        let mut drawn: Vec<Rect> =
+            joined.flat_map(|pair| labels::along(place(&pair[0]), place(&pair[1]))).collect();
+        for p in &points {
+            let ends = |x: f64, y: f64| place(&Point { x, y, ..Point::default() });
+            drawn.extend(labels::along(ends(p.x - p.x_half, p.y), ends(p.x + p.x_half, p.y)));
+            drawn.extend(labels::along(ends(p.x, p.y - p.y_half), ends(p.x, p.y + p.y_half)));
+        }
         let named: Vec<&Point> = points.into_iter().filter(|p| !p.label.is_empty()).collect();
         let wanted = named.iter().map(|p| Wanted {
             point: place(p),
@@ -209,7 +219,7 @@ impl XyChart {
             height: TINY + 1.0,
         });
         let wanted: Vec<Wanted> = wanted.collect();
-        for (point, centre) in named.iter().zip(labels::beside(&wanted, frame.area(), &taken)) {
+        for (point, centre) in named.iter().zip(labels::beside(&wanted, frame.area(), &markers, &drawn)) {
             if let Some((x, y)) = centre {
                 drawing.text((x, y + 3.5), Text::new(&point.label, TINY, Ink::Faint, Anchor::Middle));
             }
@@ -247,7 +257,7 @@ fn draw_series(drawing: &mut Drawing, frame: Frame, x: &Axis, y: &Axis, series: 
     drawing.close();
 }
 
-/// Returns the intervals of a point. An end outside the axis has no cap.
+/// Returns the intervals of a point. An end outside the axis has an arrow in place of a cap.
 fn whiskers(frame: Frame, x: &Axis, y: &Axis, point: &Point) -> Path {
     const CAP: f64 = 3.5;
     let (px, py) = (frame.x(x, point.x), frame.y(y, point.y));
@@ -260,6 +270,14 @@ fn whiskers(frame: Frame, x: &Axis, y: &Axis, point: &Point) -> Path {
         for end in [from, to] {
             if (0.0..=1.0).contains(&axis.scale.place(end)) && axis.scale.holds(end) {
                 path.add(at(end, -CAP), at(end, CAP));
+                continue;
+            }
+            // An arrow at the edge.
+            let (tip, middle) = (at(end, 0.0), at(value, 0.0));
+            let step = |from: f64, to: f64| (to - from).clamp(-CAP, CAP);
+            for aside in [-CAP, CAP] {
+                let (x, y) = at(end, aside);
+                path.add((x + step(tip.0, middle.0), y + step(tip.1, middle.1)), tip);
             }
         }
     };

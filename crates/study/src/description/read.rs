@@ -41,6 +41,7 @@ pub(super) fn expected(text: &str, at: usize) -> Expected {
 #[derive(Deserialize)]
 #[serde(rename = "Study")]
 struct StudyFile {
+    title: Option<String>,
     about: Option<String>,
     paper: Option<String>,
     scenes: Names,
@@ -204,6 +205,7 @@ impl Checks<'_, '_> {
         let stem = source.name.rsplit(['/', '\\']).next().unwrap_or_default();
         Study {
             name: stem.strip_suffix(".ron").unwrap_or(stem).to_owned(),
+            title: file.title.unwrap_or_default(),
             about: file.about.unwrap_or_default(),
             paper: file.paper.unwrap_or_default(),
             scenes: self.names(file.scenes, "a scene"),

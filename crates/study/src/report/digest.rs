@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use report::number;
 
+use crate::claim::Seeds;
 use crate::{Axis, AxisValue, Cell, Interval, MeasureInfo, Outcome, Results};
 
 /// The measure that is a pipeline's GPU time; if a study does not have it, the sum of the passes is used.
@@ -166,6 +167,13 @@ impl Row<'_> {
     /// they have measurements: those are only in `cells.csv`.
     pub(crate) fn summary(&self, key: &str) -> Option<Interval> {
         self.over(|cell| cell.measures.get(key).copied().flatten())
+    }
+
+    /// Returns the value of a measure of each seed; `None` if no seed has it.
+    pub(super) fn seeds(&self, key: &str) -> Option<Seeds> {
+        let value = |cell: &Cell| cell.measures.get(key).copied().flatten().filter(|value| value.is_finite());
+        let seeds: Seeds = self.done().filter_map(|cell| Some((cell.seed, value(cell)?))).collect();
+        (!seeds.is_empty()).then_some(seeds)
     }
 
     /// Returns mean and interval of a measure over the seeds in each frame that has it, by frame number.

@@ -99,7 +99,7 @@ pub(super) fn page(
         html(&results.study.version),
         json(pictures),
     );
-    let title = format!("{}: study", results.study.name);
+    let title = format!("{}: study", results.study.heading());
     Page { title: &title, style: STYLE, body: &body, script: SCRIPT }.html()
 }
 
@@ -122,7 +122,7 @@ fn grid(sections: &[Section<'_>]) -> String {
 
 fn head(digest: &Digest<'_>) -> String {
     let study = &digest.results.study;
-    let mut out = format!("<h1>{}</h1>\n", html(&study.name));
+    let mut out = format!("<h1>{}</h1>\n", html(study.heading()));
     if !study.about.is_empty() {
         let _ = writeln!(out, "<p class=lead>{}</p>", html(&study.about));
     }
@@ -130,7 +130,9 @@ fn head(digest: &Digest<'_>) -> String {
     let failed = digest.results.cells.iter().filter(|cell| cell.outcome != Outcome::Done).count();
     let total = study.cell_count.max(digest.results.cells.len());
     let seconds: f64 = digest.results.cells.iter().map(|cell| cell.seconds).sum();
+    let name = if study.title.is_empty() { String::new() } else { study.name.clone() };
     let facts = [
+        ("Study", name),
         ("Cells", format!("{} of {total} done", digest.results.cells.len() - failed)),
         ("Took", duration(seconds)),
         ("Frame", format!("{} × {} px", study.size.0, study.size.1)),

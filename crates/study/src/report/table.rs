@@ -2,9 +2,10 @@
 
 mod claims;
 
-use super::best::Best;
+use super::best::best;
 use super::digest::{Digest, Row, distinct, label_with_unit};
-use crate::{Interval, MeasureInfo};
+use crate::MeasureInfo;
+use crate::claim::Seeds;
 pub(super) use claims::of_claims;
 use report::{Column, Entry, Table, number};
 
@@ -16,10 +17,10 @@ pub(super) fn of_scene(digest: &Digest<'_>, scene: usize) -> Table {
     let chosen = distinct(rows.iter().flat_map(|row| row.done()).flat_map(|cell| cell.chosen.keys()));
     let measures: Vec<&MeasureInfo> = digest.measured().collect();
     let best_of = |measure: &&MeasureInfo| {
-        let values: Vec<Interval> = rows.iter().filter_map(|row| row.summary(&measure.key)).collect();
-        Best::of(measure.better, &values, digest.noise(scene, measure))
+        let values: Vec<Option<Seeds>> = rows.iter().map(|row| row.seeds(&measure.key)).collect();
+        best(measure.better, &values, digest.noise(scene, measure))
     };
-    let bests: Vec<Option<Best>> = measures.iter().map(best_of).collect();
+    let bests: Vec<Vec<bool>> = measures.iter().map(best_of).collect();
 
     let mut columns = vec![Column::text("Pipeline", "")];
     columns.extend(varied.iter().map(|&axis| {
@@ -31,7 +32,7 @@ pub(super) fn of_scene(digest: &Digest<'_>, scene: usize) -> Table {
     columns.push(Column::number("Seeds", "Finished cells"));
     columns.extend(measures.iter().map(|measure| Column::number(label_with_unit(measure), &measure.doc)));
 
-    let entries = |row: &&Row<'_>| {
+    let entries = |(place, row): (usize, &&Row<'_>)| {
         let mut entries = vec![Entry::Text(digest.pipelines[row.pipeline].to_owned())];
         let values = varied.iter().map(|&axis| row.values[axis].map(ToString::to_string));
         let budget = chosen.iter().map(|name| row.chosen(name));
@@ -48,8 +49,7 @@ pub(super) fn of_scene(digest: &Digest<'_>, scene: usize) -> Table {
         }));
         entries.extend(measures.iter().zip(&bests).map(|(measure, best)| match row.summary(&measure.key) {
             Some(summary) => {
-                let is_best = best.as_ref().is_some_and(|best| best.includes(&summary));
-                Entry::Measured { value: summary.measured(), mean: summary.mean, is_best }
+                Entry::Measured { value: summary.measured(), mean: summary.mean, is_best: best[place] }
             }
             None => Entry::Absent,
         }));
@@ -60,7 +60,8 @@ pub(super) fn of_scene(digest: &Digest<'_>, scene: usize) -> Table {
         caption += " and half the width of their 95 % intervals (Student’s t; none where all seeds agree)";
     }
     caption += if study.seeds.len() > 1 {
-        "; in bold, the best of each column and all whose intervals overlap its own, unless that is all of them."
+        "; in bold, the best of each column and all that are not worse (95 %, seed by seed), unless that is all of them, and none whose \
+             interval is wider than its mean."
     } else {
         "; in bold, the best of each column. One seed has no interval."
     };
@@ -76,6 +77,6 @@ pub(super) fn of_scene(digest: &Digest<'_>, scene: usize) -> Table {
     if !chosen.is_empty() {
         caption += " Columns with * are what the budget chose.";
     }
-    let rows = rows.iter().map(entries).collect();
+    let rows = rows.iter().enumerate().map(entries).collect();
     Table { name: digest.scenes[scene].to_owned(), caption, columns, rows }
 }

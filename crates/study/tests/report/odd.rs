@@ -238,3 +238,14 @@ fn axes_that_go_together_are_drawn_over_as_one() {
     assert_eq!(over.len(), 10, "{over:?}");
     assert!(over.iter().all(|name| name.ends_with("-over-lights.svg")), "{over:?}");
 }
+
+#[test]
+fn a_title_stands_in_place_of_the_name() {
+    let mut results = sample::results();
+    results.study.title = "Maps & <rays>".to_owned();
+    let folder = tempfile::tempdir().expect("a folder");
+    let files = study::report(&results, folder.path()).expect("a report");
+    let page = std::fs::read_to_string(&files[0]).expect("a page");
+    assert!(page.contains("<h1>Maps &amp; &lt;rays&gt;</h1>"));
+    assert!(page.contains(&format!("<dt>Study</dt><dd>{}</dd>", results.study.name)));
+}
