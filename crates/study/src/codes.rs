@@ -17,4 +17,5 @@ data_file::codes! {
     PHASE = "T014": "A phase names a pass that no pipeline of the study has.";
     CLAIM = "T015": "A claim names what is not measured, run or varied, or says nothing that could fail.";
     FIGURE = "T016": "There is no such figure among those of the passes of the study.";
+    COLD = "T017": "Times are measured without a frame before them, in which the driver compiles.";
 }

@@ -9,10 +9,11 @@ use crate::description::{
 };
 use crate::error::Failure;
 use crate::laboratory::{PipelineFacts, Registry, SceneFacts, Values};
+use crate::measure::Measure;
 use crate::phase::all_names;
 use crate::record::{Axis, AxisValue, PipelineRecord};
 use data_file::Code;
-use frame_graph::{Diagnostic, Diagnostics, Misfit, Setting, ValueType};
+use frame_graph::{Diagnostic, Diagnostics, Misfit, Setting, Severity, ValueType};
 
 pub(super) struct Checker<'a> {
     study: &'a Study,
@@ -32,11 +33,27 @@ impl<'a> Checker<'a> {
     /// Returns what is worth a note.
     pub(super) fn finish(mut self) -> Result<Diagnostics, Diagnostics> {
         self.errors.extend(self.without_output());
+        self.notes.extend(self.cold_times());
         if self.errors.is_empty() {
             Ok(Diagnostics::sorted(self.notes))
         } else {
             Err(Diagnostics::sorted(self.errors))
         }
+    }
+
+    /// Warns about times of frames in which the driver may compile.
+    fn cold_times(&self) -> Option<Diagnostic> {
+        let times = self.study.measures.iter().find(|at| at.value == Measure::GpuMs);
+        let span = match (times, self.study.phases.first()) {
+            _ if self.study.warm_up > 0 => return None,
+            (Some(times), _) => times.span.clone(),
+            (None, Some(phase)) => phase.name.span.clone(),
+            (None, None) => return None,
+        };
+        let message = "times without warm-up hold what the driver compiles in the first frame of a pipeline";
+        let warning =
+            Diagnostic::warning(&codes::COLD, Severity::Warning, message).label(span, "measured here");
+        Some(warning.note("`warm_up: 1`, the default, leaves the first frame out"))
     }
 
     pub(super) fn scenes(&mut self) -> Vec<(String, SceneFacts)> {

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use study::codes::CODES;
+use study::codes::{CODES, COLD};
 use study::{Plan, parse};
 
 fn folder() -> PathBuf {
@@ -35,7 +35,8 @@ fn every_broken_file_gives_its_errors() {
             insta::assert_snapshot!(name, errors.to_string());
         });
     }
-    for code in CODES {
+    // A study of which only a warning is told is not broken.
+    for code in CODES.iter().filter(|code| code.code != COLD.code) {
         assert!(codes.contains(code.code), "no file shows {}", code.code);
     }
 }

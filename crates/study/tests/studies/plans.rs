@@ -6,6 +6,14 @@ use study::{AxisValue, Edits, Plan};
 
 const MORE: &str = "measures: [\"gpu-ms\"]";
 
+#[test]
+fn times_without_warm_up_are_warned_about() {
+    let told = |more: &str| plan(study(more)).notes.to_string();
+    assert!(told("measures: [\"gpu-ms\"], warm_up: 0").contains("warning[T017]: times without warm-up"));
+    assert_eq!(told("measures: [\"gpu-ms\"]"), "");
+    assert_eq!(told("measures: [\"energy\"], warm_up: 0, reference: Picture(\"a.exr\")"), "");
+}
+
 /// Pipeline, axes and seed of each cell.
 fn cells(plan: &Plan) -> Vec<String> {
     plan.cells
