@@ -72,7 +72,7 @@ enum Command {
     Bench(command::bench::Args),
     /// List the pass types, or show one with its ports and settings
     Passes(command::passes::Args),
-    /// List the interfaces, the types of ports, or show one with its members as WGSL declares them
+    /// List the interfaces of ports, or show one with its members as WGSL declares them
     Interfaces(command::interfaces::Args),
     /// List the pipelines, or show one with its outputs and parameters
     Pipelines(command::lists::PipelinesArgs),
