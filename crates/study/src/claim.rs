@@ -4,6 +4,7 @@ use crate::description::{Claim, Pick, Pins, Relation, TRIANGLES, place_of};
 use crate::growth::Exponents;
 use crate::interval::Interval;
 use crate::record::{Cell, Outcome, Results};
+use crate::report::is_time;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -26,6 +27,8 @@ pub struct Finding<'a> {
     pub claim: &'a Claim,
     /// The scenes, in the order of the study.
     pub scenes: Vec<&'a str>,
+    /// The adapter whose cells it is about; `None` where it is about all.
+    pub adapter: Option<&'a str>,
     /// Means over the seeds, with their intervals: of the measure over the cells of each pick, in the order of
     /// [`Relation::picks`]; for a growth, of the exponent in the upper half of the axis, and of that over
     /// the whole axis. `None` if no cell has the measure.
@@ -47,7 +50,8 @@ impl Finding<'_> {
 impl Results {
     /// Returns the result of each claim for each scene that it is about, in the order of the study; where it is
     /// over the triangles of scenes, for all of them at once. Means are over all finished cells that have the
-    /// measure, first those of each seed, then over the seeds.
+    /// measure, first those of each seed, then over the seeds. Where several adapters ran the cells, a claim about times has
+    /// a result for each.
     pub fn findings(&self) -> Vec<Finding<'_>> {
         let mut findings = Vec::new();
         for claim in &self.study.claims {
@@ -55,20 +59,42 @@ impl Results {
             let about: Vec<&str> = scenes
                 .filter(|name| claim.scenes.is_empty() || claim.scenes.iter().any(|s| s.value == *name))
                 .collect();
-            match &claim.relation {
+            let about: Vec<Vec<&str>> = match &claim.relation {
                 Relation::Growth { over, .. } if over.value == TRIANGLES => {
-                    findings.extend((!about.is_empty()).then(|| self.finding(claim, about)));
+                    if about.is_empty() {
+                        Vec::new()
+                    } else {
+                        vec![about]
+                    }
                 }
-                _ => findings.extend(about.into_iter().map(|scene| self.finding(claim, vec![scene]))),
+                _ => about.into_iter().map(|scene| vec![scene]).collect(),
+            };
+            let adapters = self.adapters();
+            let is_of_one = is_time(&claim.measure.value) || self.study.budget_of_time;
+            let adapters = if adapters.len() > 1 && is_of_one {
+                adapters.into_iter().map(Some).collect()
+            } else {
+                vec![None]
+            };
+            for scenes in about {
+                for adapter in &adapters {
+                    findings.push(self.finding(claim, scenes.clone(), *adapter));
+                }
             }
         }
         findings
     }
 
-    fn finding<'a>(&'a self, claim: &'a Claim, scenes: Vec<&'a str>) -> Finding<'a> {
+    fn finding<'a>(
+        &'a self,
+        claim: &'a Claim,
+        scenes: Vec<&'a str>,
+        adapter: Option<&'a str>,
+    ) -> Finding<'a> {
+        let about = (scenes.as_slice(), adapter);
         let seeds = match &claim.relation {
-            Relation::Growth { of, over, .. } => self.exponents(claim, of, &over.value, &scenes),
-            relation => relation.picks().into_iter().map(|pick| self.seeds(claim, pick, &scenes)).collect(),
+            Relation::Growth { of, over, .. } => self.exponents(claim, of, &over.value, about),
+            relation => relation.picks().into_iter().map(|pick| self.seeds(claim, pick, about)).collect(),
         };
         let mean = |seeds: &Seeds| Interval::of(&seeds.values().copied().collect::<Vec<f64>>());
         // An exponent is no error.
@@ -78,6 +104,7 @@ impl Results {
         Finding {
             claim,
             scenes,
+            adapter,
             means: seeds.iter().map(mean).collect(),
             verdict: verdict(&claim.relation, &seeds, floor),
         }
@@ -88,11 +115,12 @@ impl Results {
         &'a self,
         claim: &'a Claim,
         pick: &'a Pick,
-        scenes: &'a [&str],
+        (scenes, adapter): (&'a [&str], Option<&'a str>),
     ) -> impl Iterator<Item = (&'a Cell, f64)> {
-        let cells = self.cells.iter().filter(|cell| {
+        let cells = self.cells.iter().filter(move |cell| {
             cell.outcome == Outcome::Done
                 && scenes.contains(&cell.scene.as_str())
+                && adapter.is_none_or(|adapter| cell.node.adapter == adapter)
                 && cell.pipeline == pick.pipeline.value
                 && lies_at(cell, &claim.at)
                 && lies_at(cell, &pick.at)
@@ -100,9 +128,9 @@ impl Results {
         cells.filter_map(|cell| Some((cell, cell.measures.get(&claim.measure.value).copied().flatten()?)))
     }
 
-    fn seeds(&self, claim: &Claim, pick: &Pick, scenes: &[&str]) -> Seeds {
+    fn seeds(&self, claim: &Claim, pick: &Pick, about: (&[&str], Option<&str>)) -> Seeds {
         let mut values: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
-        for (cell, value) in self.values(claim, pick, scenes) {
+        for (cell, value) in self.values(claim, pick, about) {
             values.entry(cell.seed).or_default().push(value);
         }
         values
@@ -112,9 +140,9 @@ impl Results {
     }
 
     /// Returns the exponents of a growth: in the upper half of the axis, and over all of it.
-    fn exponents(&self, claim: &Claim, of: &Pick, over: &str, scenes: &[&str]) -> Vec<Seeds> {
+    fn exponents(&self, claim: &Claim, of: &Pick, over: &str, about: (&[&str], Option<&str>)) -> Vec<Seeds> {
         let mut points: BTreeMap<u32, Vec<(f64, f64)>> = BTreeMap::new();
-        for (cell, value) in self.values(claim, of, scenes) {
+        for (cell, value) in self.values(claim, of, about) {
             if let Some(place) = self.place(cell, over) {
                 points.entry(cell.seed).or_default().push((place, value));
             }

@@ -6,7 +6,7 @@ use crate::laboratory::{Laboratory, RunRequest};
 use crate::measure::{DEFINITIONS, Measure};
 use crate::plan::{Origin, PlannedCell};
 use std::fmt;
-use xxhash_rust::xxh3::xxh3_128;
+use xxhash_rust::xxh3::{xxh3_64, xxh3_128};
 
 /// A hash of everything that something depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -25,7 +25,7 @@ fn of(parts: &[&str]) -> Key {
     Key(xxh3_128(text.as_bytes()))
 }
 
-const VERSION: &str = env!("CARGO_PKG_VERSION");
+pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// The measurements that are taken in the frames of a cell.
 pub(crate) struct Taken<'a> {
@@ -55,22 +55,31 @@ impl Taken<'_> {
     }
 }
 
-/// Returns the key of a cell, whose pipeline has the name `pipeline` in the study. If the pipeline is broken,
-/// the key depends on its error.
-pub(crate) fn of_cell(
+/// Returns the content of a cell, whose pipeline has the name `pipeline` in the study: the key of the cell without the adapter
+/// that runs it, which is the same on all machines. If the pipeline is broken, it depends on its error.
+pub(crate) fn content(
     cell: &PlannedCell,
     pipeline: &str,
+    identity: &str,
     taken: &Taken<'_>,
     reference: &str,
-    lab: &mut dyn Laboratory,
-) -> Key {
-    let identity = identity(&cell.request, lab).unwrap_or_else(|why| format!("none: {why}"));
+) -> String {
     // The `Debug` form of a request has all its fields.
     let (request, search) = (format!("{:?}", cell.request), format!("{:?}", cell.search));
-    of(&[VERSION, &lab.adapter(), pipeline, &identity, &request, &search, &taken.text(), reference])
+    of(&[VERSION, pipeline, identity, &request, &search, &taken.text(), reference]).to_string()
 }
 
-/// Returns the key of a reference, or why there is none.
+/// Returns the key of a cell of some content on an adapter: `CONTENT-ADAPTER`.
+pub(crate) fn on_adapter(content: &str, adapter: &str) -> String {
+    format!("{content}-{:016x}", xxh3_64(adapter.as_bytes()))
+}
+
+/// Returns the content in a key.
+pub(crate) fn content_of(key: &str) -> &str {
+    key.split_once('-').map_or(key, |(content, _)| content)
+}
+
+/// Returns the key of a reference, or why there is none. It has no adapter: one reference serves the cells of all.
 pub(crate) fn of_reference(origin: &Origin, lab: &mut dyn Laboratory) -> Result<Key, Failure> {
     match origin {
         Origin::Picture(file) => {
@@ -79,7 +88,7 @@ pub(crate) fn of_reference(origin: &Origin, lab: &mut dyn Laboratory) -> Result<
             Ok(of(&[VERSION, "picture", file, &format!("{:032x}", xxh3_128(&bytes))]))
         }
         Origin::Run(requests) => {
-            let mut parts = vec![VERSION.to_owned(), lab.adapter()];
+            let mut parts = vec![VERSION.to_owned()];
             for request in requests {
                 parts.push(identity(request, lab)?);
                 parts.push(format!("{request:?}"));
@@ -89,7 +98,8 @@ pub(crate) fn of_reference(origin: &Origin, lab: &mut dyn Laboratory) -> Result<
     }
 }
 
-fn identity(request: &RunRequest, lab: &mut dyn Laboratory) -> Result<String, Failure> {
+/// Returns the hash of plan, shaders and scene of a request.
+pub(crate) fn identity(request: &RunRequest, lab: &mut dyn Laboratory) -> Result<String, Failure> {
     Ok(format!("{:032x}", lab.identity(request)?))
 }
 

@@ -35,12 +35,12 @@ pub use laboratory::{
     CellRun, Laboratory, Observed, Occluded, PipelineFacts, Registry, RunRequest, SceneFacts, Step, Values,
 };
 pub use measure::Measure;
-pub use merge::merge;
+pub use merge::{Merged, merge};
 pub use page::publish;
 pub use plan::{Plan, PlannedCell, Run};
 pub use record::{
-    Axis, AxisValue, Better, Cell, CellImages, Difference, End, FrameSeries, MeasureInfo, Memory, Outcome,
-    PassTime, PipelineRecord, ReferenceRecord, Results, SceneRecord, StudyRecord,
+    Axis, AxisValue, Better, Cell, CellImages, Difference, End, FrameSeries, MeasureInfo, Memory, Node,
+    Outcome, PassTime, PipelineRecord, ReferenceRecord, Results, SceneRecord, StudyRecord,
 };
 pub use report::{claims, report, report_with};
 pub use run::{Event, Ran, RunOptions, Shard, ShardError, name_of, run};

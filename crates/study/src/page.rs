@@ -66,7 +66,8 @@ fn section(results: &Results, tables: &[String]) -> String {
     if !study.paper.is_empty() {
         let _ = write!(text, " ({})", study.paper);
     }
-    let _ = write!(text, ".\n\n{}; Lightloom {}; begun {}. ", study.adapter, study.version, study.started);
+    let adapters = results.ran_by().join("; ");
+    let _ = write!(text, ".\n\n{adapters}; Lightloom {}; begun {}. ", study.version, study.started);
     if !study.axes.iter().any(|axis| axis.name == SIZE) {
         let _ = write!(text, "Frames of {}×{} pixels. ", study.size.0, study.size.1);
     }

@@ -109,8 +109,7 @@ impl Plan {
         });
         let mut seen = HashSet::new();
         let all = self.cells.iter().map(|cell| &cell.request).chain(references);
-        let key = |run: &RunRequest| format!("{} {} {:?} {:?}", run.pipeline, run.scene, run.size, run.set);
-        all.filter(|run| seen.insert(key(run))).collect()
+        all.filter(|run| seen.insert(compiled(run))).collect()
     }
 
     /// Resolves the names of a study, and derives its cells.
@@ -372,6 +371,11 @@ impl Plan {
             self.references.len() - 1
         })
     }
+}
+
+/// Returns a text of what a request compiles: its pipeline with its values, for its scene and size.
+pub(crate) fn compiled(run: &RunRequest) -> String {
+    format!("{} {} {:?} {:?}", run.pipeline, run.scene, run.size, run.set)
 }
 
 /// A pipeline of the study with its properties.

@@ -2,6 +2,7 @@
 //! report are generated.
 
 use crate::description::Claim;
+use crate::report::distinct;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -35,6 +36,9 @@ pub struct StudyRecord {
     pub output: String,
     /// The budget, as a line of text: "8 frames", "20 ms a frame by `lights`".
     pub budget: String,
+    /// Whether the budget is one of time: then errors depend on the adapter as well.
+    #[serde(default)]
+    pub budget_of_time: bool,
     /// Frames before those that are measured.
     pub warm_up: u32,
     /// The seeds.
@@ -53,7 +57,7 @@ pub struct StudyRecord {
     pub differences: Vec<Difference>,
     /// The number of cells of all shards together.
     pub cell_count: usize,
-    /// Adapter and driver.
+    /// Adapter and driver of the last run. Those of each cell are in [`Cell::node`].
     pub adapter: String,
     /// Version of Lightloom.
     pub version: String,
@@ -68,6 +72,22 @@ pub struct StudyRecord {
     /// Parts of pictures that the report enlarges, in shares of the sides: left, top, width, height.
     #[serde(default)]
     pub crops: Vec<[f64; 4]>,
+}
+
+impl Results {
+    /// Returns the adapters that ran the study: those of the finished cells, or of the last run where there is none.
+    pub(crate) fn ran_by(&self) -> Vec<&str> {
+        let mut all = self.adapters();
+        // Records of earlier versions do not have it.
+        all.retain(|adapter| !adapter.is_empty());
+        if all.is_empty() { vec![&self.study.adapter] } else { all }
+    }
+
+    /// Returns the adapters of the finished cells, each once. Their times are not comparable.
+    pub fn adapters(&self) -> Vec<&str> {
+        let done = self.cells.iter().filter(|cell| cell.outcome == Outcome::Done);
+        distinct(done.map(|cell| cell.node.adapter.as_str()))
+    }
 }
 
 /// The measure in which the noise of references is estimated.
@@ -260,6 +280,12 @@ pub struct Cell {
     pub frames: u32,
     /// Seconds that the whole cell took.
     pub seconds: f64,
+    /// The machine on which it ran.
+    #[serde(default)]
+    pub node: Node,
+    /// Version of Lightloom that ran it.
+    #[serde(default)]
+    pub version: String,
     /// Pictures of the last frame.
     pub images: CellImages,
     /// Notes for readers of the measurements, one sentence each: for example, that a budget could not be met.
@@ -267,6 +293,17 @@ pub struct Cell {
     pub notes: Vec<String>,
     /// Provenance, as stored in pictures: plan, flattened RON, shaders, scene, seed, adapter, version.
     pub provenance: String,
+}
+
+/// The machine on which a cell ran, and when.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Node {
+    /// Its name: that of the batch system (Slurm), or of the machine.
+    pub host: String,
+    /// Adapter and driver.
+    pub adapter: String,
+    /// The time by its clock at which the cell began, RFC 3339 in UTC.
+    pub clock: String,
 }
 
 /// Measurements of single frames; empty for a scene that stands still, and for a single frame.

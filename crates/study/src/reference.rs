@@ -23,6 +23,15 @@ struct Kept {
     provenance: String,
 }
 
+/// A reference in the index of a study, by which a process that did not render it finds it.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Listed {
+    /// `None` if it is broken.
+    key: Option<String>,
+    scene: String,
+    from: String,
+}
+
 /// The references of a study, with the state of each.
 #[derive(Debug)]
 pub(crate) struct References<'a> {
@@ -84,6 +93,16 @@ impl<'a> References<'a> {
         }
     }
 
+    /// Returns the entries for the index of the study.
+    pub(crate) fn listed(&self) -> Vec<Listed> {
+        let entry = |(index, planned): (usize, &PlannedReference)| Listed {
+            key: self.keys[index].as_ref().ok().map(Key::to_string),
+            scene: self.scenes[planned.scene].clone(),
+            from: planned.from.clone(),
+        };
+        self.planned.iter().enumerate().map(entry).collect()
+    }
+
     /// Returns an estimate of the time for those that were not requested yet, from the time of the others.
     pub(crate) fn left(&self) -> Duration {
         let rendered = self.known.iter().flatten().flatten();
@@ -97,7 +116,7 @@ impl<'a> References<'a> {
     pub(crate) fn recall(&mut self, folder: &Folder) {
         for (index, key) in self.keys.iter().enumerate() {
             if let Ok(key) = key
-                && let Some(kept) = recall(&folder.path, key)
+                && let Some(kept) = recall(&folder.path, &key.to_string())
             {
                 self.known[index] = Some(Ok(kept));
             }
@@ -144,7 +163,7 @@ impl<'a> References<'a> {
         step: &mut dyn FnMut(Part, Step),
     ) -> Result<Result<Kept, Failure>, StudyError> {
         if let Some(shared) = &self.shared
-            && let Some(kept) = recall(shared, key)
+            && let Some(kept) = recall(shared, &key.to_string())
         {
             copy(&kept, key, shared, &folder.path)?;
             return Ok(Ok(kept));
@@ -197,29 +216,22 @@ impl<'a> References<'a> {
     /// Returns what is known of each reference, for the record.
     pub(crate) fn records(&self) -> Vec<ReferenceRecord> {
         let pairs = self.planned.iter().zip(&self.known);
-        pairs
-            .filter_map(|(planned, known)| {
-                let mut record = ReferenceRecord {
-                    scene: self.scenes[planned.scene].clone(),
+        let record = |(planned, known): (&PlannedReference, &Option<Result<Kept, Failure>>)| {
+            let scene = &self.scenes[planned.scene];
+            Some(match known.as_ref()? {
+                Ok(kept) => kept.record(scene, &planned.from),
+                Err(why) => ReferenceRecord {
+                    scene: scene.clone(),
                     from: planned.from.clone(),
                     image: None,
                     seconds: 0.0,
                     noise: None,
-                    error: String::new(),
+                    error: why.to_string(),
                     provenance: String::new(),
-                };
-                match known.as_ref()? {
-                    Ok(kept) => {
-                        record.from.clone_from(&kept.from);
-                        record.image = kept.images.last().cloned();
-                        record.provenance.clone_from(&kept.provenance);
-                        (record.seconds, record.noise) = (kept.seconds, kept.noise);
-                    }
-                    Err(why) => record.error = why.to_string(),
-                }
-                Some(record)
+                },
             })
-            .collect()
+        };
+        pairs.filter_map(record).collect()
     }
 
     /// Returns the reference picture of the last frame of its cells.
@@ -283,7 +295,36 @@ fn sound(image: &Image, size: (u32, u32)) -> Result<(), Failure> {
     Failure::check_finite(image, || "the reference".to_owned())
 }
 
-fn recall(folder: &Path, key: &Key) -> Option<Kept> {
+/// Adds the references that are in the folder of a study to the records of those that its last run knew, in the order of the
+/// study.
+pub(crate) fn complete(records: &mut Vec<ReferenceRecord>, listed: &[Listed], folder: &Path) {
+    let mut known = std::mem::take(records);
+    for one in listed {
+        let is_same = |record: &ReferenceRecord| record.scene == one.scene && record.from == one.from;
+        let before = known.iter().position(is_same).map(|place| known.remove(place));
+        let rendered = before.as_ref().is_some_and(|before| before.image.is_some());
+        let kept = one.key.as_ref().filter(|_| !rendered).and_then(|key| recall(folder, key));
+        records.extend(kept.map(|kept| kept.record(&one.scene, &one.from)).or(before));
+    }
+    // Studies of earlier versions have no list.
+    records.extend(known);
+}
+
+impl Kept {
+    fn record(&self, scene: &str, from: &str) -> ReferenceRecord {
+        ReferenceRecord {
+            scene: scene.to_owned(),
+            from: from.to_owned(),
+            image: self.images.last().cloned(),
+            seconds: self.seconds,
+            noise: self.noise,
+            error: String::new(),
+            provenance: self.provenance.clone(),
+        }
+    }
+}
+
+fn recall(folder: &Path, key: &str) -> Option<Kept> {
     let kept: Kept = read_json(&folder.join(REFERENCES).join(format!("{key}.json"))).ok()?;
     kept.images.iter().all(|image| folder.join(image).is_file()).then_some(kept)
 }

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::io;
 use crate::{Results, StudyError, folder};
-pub(crate) use digest::{Digest, distinct};
+pub(crate) use digest::{Digest, distinct, is_time};
 use figures::Figures;
 use pictures::Pictures;
 use report::{Table, escape};

@@ -4,11 +4,11 @@ use crate::budget::{Domain, search};
 use crate::description::Budget;
 use crate::error::{Failure, StudyError};
 use crate::evaluator::{Evaluator, Measurements};
-use crate::folder::{Folder, IMAGES, Index, now, read_study};
-use crate::key::{self, Taken};
+use crate::folder::{Folder, Index, Sharing, images, now, read_study};
+use crate::key::{self, Taken, VERSION};
 use crate::laboratory::{CellRun, Laboratory, Observed, RunRequest, Step};
 use crate::plan::{Plan, PlannedCell, Search};
-use crate::record::{AxisValue, Cell, Outcome, Results, StudyRecord};
+use crate::record::{AxisValue, Cell, Node, Outcome, Results, StudyRecord};
 use crate::reference::{Part, References, Truth};
 use crate::remaining::Remaining;
 use metrics::statistics::median;
@@ -109,7 +109,7 @@ pub enum Event<'a> {
 /// The result of a run.
 #[derive(Debug)]
 pub struct Ran {
-    /// The current content of the study's folder.
+    /// The current content of the study's folder; for a shard, its own cells, and nothing that follows from those of others.
     pub results: Results,
     /// Number of cells that ran now.
     pub run: usize,
@@ -129,20 +129,22 @@ pub fn run(
     options: &RunOptions,
     report: &mut dyn FnMut(Event<'_>),
 ) -> Result<Ran, StudyError> {
-    let folder = Folder::open(folder)?;
+    // A job that its batch system has given up may still run beside the one that takes its place.
+    let sharing = if options.shard.is_some() { Sharing::Shared } else { Sharing::Alone };
+    let folder = Folder::open(folder, sharing)?;
     let scenes = plan.scenes.iter().map(|scene| scene.record.name.clone()).collect();
     let references = References::new(&plan.references, scenes, lab, options.references.clone());
     let mut session = Session { plan, lab, folder, references, chosen: HashMap::new(), refused: Vec::new() };
     session.references.recall(&session.folder);
-    let keys = session.keys();
-    let index = Index { cells: keys };
+    let index = Index { cells: session.contents(), references: session.references.listed() };
+    let adapter = session.lab.adapter();
+    let keys: Vec<String> = index.cells.iter().map(|content| key::on_adapter(content, &adapter)).collect();
     let mine: Vec<usize> =
         (0..plan.cells.len()).filter(|index| options.shard.is_none_or(|shard| shard.has(*index))).collect();
     let mut remaining = Remaining::default();
     let mut open = Vec::new();
     for cell in &mine {
-        let kept = session.folder.cell(&index.cells[*cell]).filter(|cell| cell.outcome == Outcome::Done);
-        match kept {
+        match session.finished(&keys[*cell]) {
             Some(kept) => session.remember(*cell, &kept, &mut remaining),
             None => open.push(*cell),
         }
@@ -156,10 +158,17 @@ pub fn run(
     report(Event::Begin { cells: mine.len(), finished, stale: session.folder.stale(&index) });
     let (mut failed, mut run) = (0, 0);
     for (place, cell) in open.iter().enumerate() {
-        let cell = session.cell(*cell, &index.cells[*cell], report)?;
-        session.folder.write_cell(&cell)?;
+        // Another process may have finished it in the meantime.
+        let cell = match session.finished(&keys[*cell]) {
+            Some(kept) => kept,
+            None => {
+                let cell = session.cell(*cell, &keys[*cell], report)?;
+                session.folder.write_cell(&cell)?;
+                run += 1;
+                cell
+            }
+        };
         failed += usize::from(cell.outcome != Outcome::Done);
-        run += 1;
         remaining.add(&cell);
         let rest = open[place + 1..].iter().map(|index| &plan.cells[*index]);
         let left = remaining.estimate(rest.map(|cell| {
@@ -170,8 +179,14 @@ pub fn run(
     }
     let record = StudyRecord { started: record.started, ..session.record(options) };
     session.folder.write_study(&record, &index)?;
-    let results = Results::read(&session.folder.path)?;
-    crate::table::write(&results, &session.folder.path)?;
+    let results = if options.shard.is_some() {
+        let own = mine.iter().filter_map(|cell| session.folder.cell(&keys[*cell])).collect();
+        Results { study: record, cells: own }
+    } else {
+        let results = Results::read(&session.folder.path)?;
+        crate::table::write(&results, &session.folder.path)?;
+        results
+    };
     Ok(Ran { results, run, failed })
 }
 
@@ -188,12 +203,17 @@ struct Session<'a> {
 }
 
 impl Session<'_> {
-    fn keys(&mut self) -> Vec<String> {
+    fn contents(&mut self) -> Vec<String> {
         let plan = self.plan;
+        // Frames and seeds change neither plan nor shaders.
+        let mut identities: HashMap<String, String> = HashMap::new();
         plan.cells
             .iter()
             .map(|cell| {
                 let reference = cell.reference.map(|index| self.references.key(index)).unwrap_or_default();
+                let identity = identities.entry(crate::plan::compiled(&cell.request)).or_insert_with(|| {
+                    key::identity(&cell.request, self.lab).unwrap_or_else(|why| format!("none: {why}"))
+                });
                 let taken = Taken {
                     measures: &plan.measures,
                     phases: &plan.study.phases,
@@ -201,9 +221,14 @@ impl Session<'_> {
                     by_frame: plan.scenes[cell.scene].moves && cell.request.frames > 1,
                 };
                 let pipeline = &plan.pipelines[cell.pipeline].name;
-                key::of_cell(cell, pipeline, &taken, &reference, self.lab).to_string()
+                key::content(cell, pipeline, identity, &taken, &reference)
             })
             .collect()
+    }
+
+    /// Returns the record of a cell that is finished.
+    fn finished(&self, key: &str) -> Option<Cell> {
+        self.folder.cell(key).filter(|cell| cell.outcome == Outcome::Done)
     }
 
     fn record(&self, options: &RunOptions) -> StudyRecord {
@@ -219,6 +244,7 @@ impl Session<'_> {
             size: study.size,
             output: study.output.value.clone(),
             budget: study.budget.line(),
+            budget_of_time: matches!(study.budget, Budget::Time { .. }),
             warm_up: study.warm_up,
             seeds: study.seeds.clone(),
             scenes: plan.scenes.iter().map(|scene| scene.record.clone()).collect(),
@@ -229,7 +255,7 @@ impl Session<'_> {
             differences: plan.differences.clone(),
             cell_count: plan.cells.len(),
             adapter: self.lab.adapter(),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
+            version: VERSION.to_owned(),
             started: begun.unwrap_or_else(now),
             command: options.command.clone(),
             claims: study.claims.clone(),
@@ -264,6 +290,8 @@ impl Session<'_> {
             axes: planned.axes.clone(),
             seed: planned.request.seed,
             measures: plan.infos().map(|info| (info.key, None)).collect(),
+            node: Node { host: host(), adapter: self.lab.adapter(), clock: now() },
+            version: VERSION.to_owned(),
             ..Cell::default()
         };
         let truth = match planned.reference {
@@ -365,15 +393,14 @@ impl Session<'_> {
         cell.series = found.series;
         cell.frames = found.frames;
         cell.images.reference = planned.reference.and_then(|reference| self.references.image(reference));
+        let [name, flip_name] = images(&cell.key);
         if let Some(image) = &found.image {
-            let name = format!("{IMAGES}/{}.exr", cell.key);
             self.folder.write_image(&name, image, Some(&cell.provenance))?;
             cell.images.image = Some(name);
         }
         if let Some(flip) = &found.flip {
-            let name = format!("{IMAGES}/{}-flip.png", cell.key);
-            self.folder.write_image(&name, flip, None)?;
-            cell.images.flip = Some(name);
+            self.folder.write_image(&flip_name, flip, None)?;
+            cell.images.flip = Some(flip_name);
         }
         Ok(found.failure)
     }
@@ -421,6 +448,12 @@ impl Session<'_> {
         self.chosen.insert(id, known.clone());
         Ok(known)
     }
+}
+
+/// Returns the name of this machine: that by which Slurm knows it, or its own.
+fn host() -> String {
+    let name = std::env::var("SLURMD_NODENAME").ok();
+    name.unwrap_or_else(|| gethostname::gethostname().to_string_lossy().into_owned())
 }
 
 fn start(search: &Search) -> i64 {

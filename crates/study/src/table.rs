@@ -1,5 +1,5 @@
 //! Tables in CSV: `cells.csv`, tidy, with one row per cell and measure; `summary.csv`, with intervals over
-//! seeds; `frames.csv`, tidy, with one row per frame of scenes that move.
+//! seeds, a row for each adapter that ran cells of it; `frames.csv`, tidy, with one row per frame of scenes that move.
 
 use crate::error::StudyError;
 use crate::folder::write as write_file;
@@ -33,6 +33,8 @@ fn cells(results: &Results) -> String {
         "image",
         "reference",
         "flip",
+        "node",
+        "adapter",
     ];
     let mut lines = Lines::new(results, &columns);
     for cell in &results.cells {
@@ -54,7 +56,8 @@ fn cells(results: &Results) -> String {
             cell.passes.iter().map(|time| (format!("gpu-ms/{}", time.pass), Some(time.gpu_ms), "ms"));
         for (measure, value, unit) in measures.chain(passes) {
             let value = value.map(|value| value.to_string()).unwrap_or_default();
-            let own = [cell.key.as_str(), image, reference, flip];
+            let node = &cell.node;
+            let own = [cell.key.as_str(), image, reference, flip, &node.host, &node.adapter];
             lines.push(
                 cell,
                 &[[&seed, &measure, &value, unit, &outcome, &chosen, &note].as_slice(), &own].concat(),
@@ -65,7 +68,7 @@ fn cells(results: &Results) -> String {
 }
 
 fn summary(results: &Results) -> String {
-    let mut lines = Lines::new(results, &["measure", "unit", "seeds", "mean", "half_width_95"]);
+    let mut lines = Lines::new(results, &["measure", "unit", "seeds", "mean", "half_width_95", "adapter"]);
     for row in Digest::new(results).rows {
         for info in &results.study.measures {
             let figure = row.summary(&info.key);
@@ -74,7 +77,8 @@ fn summary(results: &Results) -> String {
             let mean = text(figure.map(|figure| figure.mean));
             let half = text(figure.and_then(|figure| figure.half));
             if let Some(cell) = row.cells.first() {
-                lines.push(cell, &[&info.key, &info.unit, &seeds, &mean, &half]);
+                let adapter = &cell.node.adapter;
+                lines.push(cell, &[&info.key, &info.unit, &seeds, &mean, &half, adapter]);
             }
         }
     }

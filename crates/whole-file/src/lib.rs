@@ -1,8 +1,10 @@
 //! Files that are whole or absent: written under another name in the same folder, and given their own once they are on
 //! disk. Whoever reads a file while it is written, or after the program was killed, finds the one before or the new one.
 //!
-//! A file that a killed program left half written is removed by the next that writes into the folder: a file that is being
-//! written is locked by its writer, and the system ends that lock with the process.
+//! A file that a killed program left half written is removed by the next program of the same machine that writes into the
+//! folder: a file that is being written is locked by its writer, and the system ends that lock with the process. Locks are
+//! asked between the processes of one machine only, since network file systems (NFS) may not have them, or not between
+//! machines: the name of an unfinished file has that of its machine, and those of others are removed after a day.
 //!
 //! `tempfile` names and replaces the files. The rest is ours, since crates for whole files (`atomic-write-file`,
 //! `atomicwrites`) lack it: links are followed, devices and pipes are written to instead of replaced, read-only files
@@ -14,12 +16,23 @@ use std::collections::HashSet;
 use std::fs::{File, TryLockError};
 use std::io::{self, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{LazyLock, Mutex, PoisonError};
+use std::time::Duration;
 use target::Target;
 use tempfile::NamedTempFile;
 
 /// Beginning and end of the names of files that are being written.
 const NAME: (&str, &str) = (".lightloom-", ".part");
+
+/// The beginning of the names of those of this machine.
+static OWN: LazyLock<String> = LazyLock::new(|| {
+    let host = gethostname::gethostname().to_string_lossy().into_owned();
+    let host = host.replace(|c: char| !c.is_ascii_alphanumeric(), "_");
+    format!("{}{host}-", NAME.0)
+});
+
+/// The age from which an unfinished file of another machine is one that was left. Clocks differ by less.
+const LEFT: Duration = Duration::from_secs(24 * 60 * 60);
 
 /// The number of times that a new file is made because another process took the last one for a leftover.
 const TRIES: u32 = 16;
@@ -120,7 +133,7 @@ impl Unfinished {
 fn locked(folder: &Path) -> io::Result<NamedTempFile> {
     for _ in 0..TRIES {
         let mut builder = tempfile::Builder::new();
-        builder.prefix(NAME.0).suffix(NAME.1);
+        builder.prefix(OWN.as_str()).suffix(NAME.1);
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         let file = builder.tempfile_in(folder)?;
@@ -165,7 +178,8 @@ pub fn write_new(path: &Path, bytes: impl AsRef<[u8]>) -> io::Result<()> {
     part.finish_new()
 }
 
-/// Removes the files that killed programs left half written in a folder.
+/// Removes the files that killed programs of this machine left half written in a folder, and those of others that are more
+/// than a day old.
 pub fn sweep(folder: &Path) {
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name();
@@ -175,6 +189,10 @@ pub fn sweep(folder: &Path) {
             continue;
         }
         let Ok(file) = File::options().write(true).open(entry.path()) else { continue };
+        let age = || entry.metadata().ok()?.modified().ok()?.elapsed().ok();
+        if !name.starts_with(OWN.as_str()) && age().is_none_or(|age| age < LEFT) {
+            continue;
+        }
         if file.try_lock().is_ok() {
             // A file that cannot be removed does no harm.
             let _ = std::fs::remove_file(entry.path());

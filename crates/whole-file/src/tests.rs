@@ -31,7 +31,7 @@ fn a_file_is_replaced_once_the_new_one_is_whole() {
 #[test]
 fn what_a_killed_program_left_is_removed_and_what_is_being_written_is_not() {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join(".lightloom-killed.part"), "half").unwrap();
+    std::fs::write(folder.path().join(format!("{}killed.part", *OWN)), "half").unwrap();
     std::fs::write(folder.path().join("notes.part"), "the user's").unwrap();
     let writing = Unfinished::of(&folder.path().join("b.txt")).unwrap();
     assert_eq!(names(folder.path()).len(), 2, "what was left is gone: {:?}", names(folder.path()));
@@ -39,6 +39,20 @@ fn what_a_killed_program_left_is_removed_and_what_is_being_written_is_not() {
     writing.file().write_all(b"whole").unwrap();
     writing.finish().unwrap();
     assert_eq!(names(folder.path()), ["b.txt", "notes.part"]);
+}
+
+/// Between machines a lock may mean nothing: another machine may be writing its file.
+#[test]
+fn what_another_machine_writes_is_removed_once_it_is_old() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    for name in [".lightloom-elsewhere-new.part", ".lightloom-elsewhere-old.part"] {
+        std::fs::write(at(name), "half").unwrap();
+    }
+    let old = File::options().write(true).open(at(".lightloom-elsewhere-old.part")).unwrap();
+    old.set_modified(std::time::SystemTime::now() - 2 * LEFT).unwrap();
+    sweep(folder.path());
+    assert_eq!(names(folder.path()), [".lightloom-elsewhere-new.part"]);
 }
 
 #[test]

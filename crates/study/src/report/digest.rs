@@ -1,4 +1,5 @@
-//! Groups cells for the report: one row for each scene, pipeline and combination of values, over its seeds.
+//! Groups cells for the report: one row for each scene, pipeline and combination of values, over its seeds. Where several
+//! adapters ran the cells, each has rows of its own: times are over the cells of one adapter, errors over those of all.
 
 use std::collections::BTreeMap;
 
@@ -10,13 +11,20 @@ use crate::{Axis, AxisValue, Cell, Interval, MeasureInfo, Outcome, Results};
 /// The measure that is a pipeline's GPU time; if a study does not have it, the sum of the passes is used.
 const TIME: &str = "gpu-ms";
 
+/// Returns whether a measure is a GPU time, of a frame or of a phase: those of two adapters are not comparable.
+pub(crate) fn is_time(key: &str) -> bool {
+    key.strip_prefix(TIME).is_some_and(|rest| rest.is_empty() || rest.starts_with(':'))
+}
+
 /// Results in the order in which tables and charts show them.
 pub(crate) struct Digest<'a> {
     pub(super) results: &'a Results,
     /// Names of the scenes: in the order of the study, then any that only cells name.
     pub(super) scenes: Vec<&'a str>,
-    /// Names of the pipelines, likewise.
-    pub(super) pipelines: Vec<&'a str>,
+    /// Names of the pipelines, likewise; where several adapters ran the cells, each with an adapter.
+    pub(super) pipelines: Vec<String>,
+    /// Number of adapters that ran the cells.
+    pub(super) adapters: usize,
     /// Rows by scene, pipeline and values, in the study's order.
     pub(crate) rows: Vec<Row<'a>>,
     /// The values that each axis takes among the rows, in the study's order.
@@ -31,8 +39,10 @@ pub(crate) struct Row<'a> {
     pub(super) pipeline: usize,
     /// Value of each of the study's axes; `None` if the cells do not have it.
     pub(super) values: Vec<Option<&'a AxisValue>>,
-    /// The cells, sorted by seed.
+    /// The cells of one adapter, sorted by seed.
     pub(crate) cells: Vec<&'a Cell>,
+    /// Cells of other adapters: their errors count as those of this one do.
+    others: Vec<&'a Cell>,
 }
 
 impl<'a> Digest<'a> {
@@ -43,21 +53,44 @@ impl<'a> Digest<'a> {
         let scenes = distinct(scenes.chain(cells().map(|cell| &*cell.scene)));
         let pipelines = study.pipelines.iter().map(|pipeline| &*pipeline.name);
         let pipelines = distinct(pipelines.chain(cells().map(|cell| &*cell.pipeline)));
+        let adapters = adapters(results);
         let mut rows: Vec<Row<'_>> = Vec::new();
         for cell in &results.cells {
             let scene = position(&scenes, &cell.scene);
-            let pipeline = position(&pipelines, &cell.pipeline);
+            let adapter = adapters.iter().position(|(own, _)| *own == cell.node.adapter).unwrap_or(0);
+            let pipeline = position(&pipelines, &cell.pipeline) * adapters.len() + adapter;
             let values: Vec<_> = study.axes.iter().map(|axis| cell.axes.get(&axis.name)).collect();
             let same =
                 |row: &&mut Row<'_>| (row.scene, row.pipeline) == (scene, pipeline) && row.values == values;
             match rows.iter_mut().find(same) {
                 Some(row) => row.cells.push(cell),
-                None => rows.push(Row { scene, pipeline, values, cells: vec![cell] }),
+                None => rows.push(Row { scene, pipeline, values, cells: vec![cell], others: Vec::new() }),
+            }
+        }
+        // What a budget of time gives is of its adapter: lights, frames, and so the error.
+        if adapters.len() > 1 && !study.budget_of_time {
+            let all: Vec<(usize, usize, Vec<_>, Vec<&Cell>)> = rows
+                .iter()
+                .map(|row| (row.scene, row.pipeline, row.values.clone(), row.cells.clone()))
+                .collect();
+            for row in &mut rows {
+                let same = all.iter().filter(|(scene, pipeline, values, _)| {
+                    *scene == row.scene
+                        && *pipeline != row.pipeline
+                        && pipeline / adapters.len() == row.pipeline / adapters.len()
+                        && *values == row.values
+                });
+                row.others = same.flat_map(|(_, _, _, cells)| cells.iter().copied()).collect();
             }
         }
         for row in &mut rows {
             row.cells.sort_by_key(|cell| cell.seed);
         }
+        let name = |pipeline: &str| -> Vec<String> {
+            adapters.iter().map(|(_, suffix)| format!("{pipeline}{suffix}")).collect()
+        };
+        let pipelines = pipelines.into_iter().flat_map(name).collect();
+        let adapters = adapters.len();
         // Values that are not in the study come last, in the order of the cells: the sort is stable.
         let rank = |row: &Row<'_>| -> Vec<usize> {
             let places = study.axes.iter().zip(&row.values).map(|(axis, value)| {
@@ -67,7 +100,27 @@ impl<'a> Digest<'a> {
         };
         rows.sort_by_cached_key(rank);
         let taken = (0..study.axes.len()).map(|axis| taken(&study.axes[axis], axis, &rows)).collect();
-        Digest { results, scenes, pipelines, rows, taken }
+        Digest { results, scenes, pipelines, adapters, rows, taken }
+    }
+
+    /// Returns the groups of rows whose values of a measure are comparable, by their indices: all, or those of each adapter.
+    pub(super) fn comparable(&self, rows: &[&Row<'a>], key: &str) -> Vec<Vec<usize>> {
+        if !is_time(key) && !self.results.study.budget_of_time {
+            return vec![(0..rows.len()).collect()];
+        }
+        let of = |adapter: usize| {
+            (0..rows.len()).filter(|row| rows[*row].pipeline % self.adapters == adapter).collect()
+        };
+        (0..self.adapters).map(of).collect()
+    }
+
+    /// Says for captions which cells the errors are of, where several adapters ran them.
+    pub(super) fn errors_are_of(&self) -> &'static str {
+        if self.results.study.budget_of_time {
+            "so are errors, since the budget is one of time"
+        } else {
+            "errors are over the cells of all"
+        }
     }
 
     /// Returns the rows of a scene.
@@ -129,7 +182,7 @@ impl<'a> Digest<'a> {
     /// Formats a row as a line of text: `ISM, lights = 64`.
     pub(super) fn row_text(&self, row: &Row<'_>) -> String {
         match self.values_text(row, &self.varied()) {
-            values if values.is_empty() => self.pipelines[row.pipeline].to_owned(),
+            values if values.is_empty() => self.pipelines[row.pipeline].clone(),
             values => format!("{}, {values}", self.pipelines[row.pipeline]),
         }
     }
@@ -148,9 +201,15 @@ impl<'a> Digest<'a> {
 }
 
 impl Row<'_> {
-    /// Returns the finished cells.
+    /// Returns the finished cells of the row's adapter.
     pub(super) fn done(&self) -> impl Iterator<Item = &Cell> {
         self.cells.iter().copied().filter(|cell| cell.outcome == Outcome::Done)
+    }
+
+    /// Returns the finished cells whose values of a measure are comparable: those of all adapters, unless it is a time.
+    fn comparable(&self, key: &str) -> impl Iterator<Item = &Cell> {
+        let others = if is_time(key) { &[] } else { &self.others[..] };
+        self.done().chain(others.iter().copied().filter(|cell| cell.outcome == Outcome::Done))
     }
 
     /// Returns the first error, and the number of failed cells.
@@ -166,20 +225,20 @@ impl Row<'_> {
     /// Returns mean and interval of a measure over the seeds; `None` if no seed has it. Failed cells are left out, even if
     /// they have measurements: those are only in `cells.csv`.
     pub(crate) fn summary(&self, key: &str) -> Option<Interval> {
-        self.over(|cell| cell.measures.get(key).copied().flatten())
+        over(self.comparable(key), |cell| cell.measures.get(key).copied().flatten())
     }
 
     /// Returns the value of a measure of each seed; `None` if no seed has it.
     pub(super) fn seeds(&self, key: &str) -> Option<Seeds> {
         let value = |cell: &Cell| cell.measures.get(key).copied().flatten().filter(|value| value.is_finite());
-        let seeds: Seeds = self.done().filter_map(|cell| Some((cell.seed, value(cell)?))).collect();
+        let seeds: Seeds = self.comparable(key).filter_map(|cell| Some((cell.seed, value(cell)?))).collect();
         (!seeds.is_empty()).then_some(seeds)
     }
 
     /// Returns mean and interval of a measure over the seeds in each frame that has it, by frame number.
     pub(super) fn frames(&self, key: &str) -> Vec<(u32, Interval)> {
         let mut found: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
-        for series in self.done().map(|cell| &cell.series) {
+        for series in self.comparable(key).map(|cell| &cell.series) {
             let column = series.values.get(key).into_iter().flatten();
             for (frame, value) in (series.first..).zip(column) {
                 found.entry(frame).or_default().extend(value.filter(|value| value.is_finite()));
@@ -191,7 +250,7 @@ impl Row<'_> {
     /// Returns the GPU time of a frame [ms] over the seeds.
     pub(super) fn time(&self) -> Option<Interval> {
         self.summary(TIME).or_else(|| {
-            self.over(|cell| {
+            over(self.done(), |cell| {
                 let sum: f64 = cell.passes.iter().map(|pass| pass.gpu_ms).sum();
                 (sum > 0.0).then_some(sum)
             })
@@ -232,11 +291,28 @@ impl Row<'_> {
             (None, values) => Some(values.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")),
         }
     }
+}
 
-    fn over(&self, value: impl Fn(&Cell) -> Option<f64>) -> Option<Interval> {
-        let values: Vec<f64> = self.done().filter_map(value).filter(|value| value.is_finite()).collect();
-        Interval::of(&values)
+/// Returns the mean of a value over cells, with its interval.
+fn over<'a>(cells: impl Iterator<Item = &'a Cell>, value: impl Fn(&Cell) -> Option<f64>) -> Option<Interval> {
+    let values: Vec<f64> = cells.filter_map(value).filter(|value| value.is_finite()).collect();
+    Interval::of(&values)
+}
+
+/// Returns the adapters of the finished cells, each with what is added to the names of its pipelines: nothing where there is
+/// one adapter; otherwise its name, with its driver where others have the same name.
+fn adapters(results: &Results) -> Vec<(&str, String)> {
+    let all = results.adapters();
+    if all.len() < 2 {
+        return vec![(all.first().copied().unwrap_or_default(), String::new())];
     }
+    let short = |adapter: &'_ str| adapter.split(" (").next().unwrap_or_default().to_owned();
+    let suffix = |adapter: &&str| {
+        let own = short(adapter);
+        let is_single = all.iter().filter(|other| short(other) == own).count() == 1;
+        format!(" · {}", if is_single { own } else { (*adapter).to_owned() })
+    };
+    all.iter().map(|adapter| (*adapter, suffix(adapter))).collect()
 }
 
 /// Formats a label with its unit: `relMSE`, `GPU time [ms]`.
@@ -284,7 +360,13 @@ mod tests {
         };
         let failed = Outcome::Failed { error: "1 pixel is NaN".into() };
         let cells = [cell(1.0, Outcome::Done), cell(3.0, Outcome::Done), cell(1e9, failed)];
-        let row = Row { scene: 0, pipeline: 0, values: Vec::new(), cells: cells.iter().collect() };
+        let row = Row {
+            scene: 0,
+            pipeline: 0,
+            values: Vec::new(),
+            cells: cells.iter().collect(),
+            others: Vec::new(),
+        };
         let mean = row.summary("rmse").unwrap();
         assert_eq!((mean.seeds, mean.mean), (2, 2.0));
     }

@@ -4,10 +4,10 @@ mod setup;
 
 use std::fmt::Write;
 
-use super::digest::Digest;
+use super::digest::{Digest, distinct};
 use super::figures::{Figure, Figures, Kind};
 use super::pictures::Pictures;
-use crate::Outcome;
+use crate::{Outcome, Results};
 use report::escape::{self, html};
 use report::{Page, Table, number};
 
@@ -141,7 +141,8 @@ fn head(digest: &Digest<'_>) -> String {
         ("Warm-up", format!("{} frames", study.warm_up)),
         ("Seeds", seeds.join(", ")),
         ("Paper", study.paper.clone()),
-        ("Adapter", study.adapter.clone()),
+        ("Adapter", digest.results.ran_by().join("; ")),
+        ("Nodes", nodes(digest.results)),
         ("Started", study.started.clone()),
         ("Lightloom", study.version.clone()),
     ];
@@ -150,6 +151,20 @@ fn head(digest: &Digest<'_>) -> String {
         let _ = writeln!(out, "<div><dt>{name}</dt><dd>{}</dd></div>", html(value));
     }
     out + "</dl>\n"
+}
+
+/// Returns the machines that ran the cells, each with the number of its cells.
+fn nodes(results: &Results) -> String {
+    let hosts = distinct(results.cells.iter().map(|cell| cell.node.host.as_str()));
+    let count = |host: &str| results.cells.iter().filter(|cell| cell.node.host == host).count();
+    let named = hosts.into_iter().filter(|host| !host.is_empty());
+    let texts: Vec<String> = named
+        .map(|host| match count(host) {
+            1 => format!("{host} (1 cell)"),
+            cells => format!("{host} ({cells} cells)"),
+        })
+        .collect();
+    texts.join(", ")
 }
 
 /// Returns the errors and notes for the top of the page; empty if there are none.

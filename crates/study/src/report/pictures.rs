@@ -285,7 +285,7 @@ impl View {
         View {
             scene: digest.scenes[row.scene].to_owned(),
             truth,
-            pipeline: digest.pipelines[row.pipeline].to_owned(),
+            pipeline: digest.pipelines[row.pipeline].clone(),
             values: digest.values_text(row, &digest.varied()),
             seed: cell.seed,
             key: cell.key.clone(),

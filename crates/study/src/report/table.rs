@@ -17,8 +17,15 @@ pub(super) fn of_scene(digest: &Digest<'_>, scene: usize) -> Table {
     let chosen = distinct(rows.iter().flat_map(|row| row.done()).flat_map(|cell| cell.chosen.keys()));
     let measures: Vec<&MeasureInfo> = digest.measured().collect();
     let best_of = |measure: &&MeasureInfo| {
-        let values: Vec<Option<Seeds>> = rows.iter().map(|row| row.seeds(&measure.key)).collect();
-        best(measure.better, &values, digest.noise(scene, measure))
+        // Times are compared among the rows of one adapter.
+        let mut is_best = vec![false; rows.len()];
+        for group in digest.comparable(&rows, &measure.key) {
+            let values: Vec<Option<Seeds>> = group.iter().map(|row| rows[*row].seeds(&measure.key)).collect();
+            for (row, best) in group.iter().zip(best(measure.better, &values, digest.noise(scene, measure))) {
+                is_best[*row] = best;
+            }
+        }
+        is_best
     };
     let bests: Vec<Vec<bool>> = measures.iter().map(best_of).collect();
 
@@ -33,7 +40,7 @@ pub(super) fn of_scene(digest: &Digest<'_>, scene: usize) -> Table {
     columns.extend(measures.iter().map(|measure| Column::number(label_with_unit(measure), &measure.doc)));
 
     let entries = |(place, row): (usize, &&Row<'_>)| {
-        let mut entries = vec![Entry::Text(digest.pipelines[row.pipeline].to_owned())];
+        let mut entries = vec![Entry::Text(digest.pipelines[row.pipeline].clone())];
         let values = varied.iter().map(|&axis| row.values[axis].map(ToString::to_string));
         let budget = chosen.iter().map(|name| row.chosen(name));
         entries.extend(values.chain(budget).map(|text| text.map_or(Entry::Absent, Entry::Text)));
@@ -73,6 +80,9 @@ pub(super) fn of_scene(digest: &Digest<'_>, scene: usize) -> Table {
                 number::short(noise, 2)
             );
         }
+    }
+    if digest.adapters > 1 {
+        caption += &format!(" Times are those of the adapter in each row, and {}.", digest.errors_are_of());
     }
     if !chosen.is_empty() {
         caption += " Columns with * are what the budget chose.";

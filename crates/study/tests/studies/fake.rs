@@ -127,6 +127,8 @@ pub(crate) struct Fake {
     pub(crate) shaders: BTreeMap<String, u128>,
     /// Whether `truth` fails.
     pub(crate) no_truth: bool,
+    /// Another adapter than paper and pencil, and how much slower it is.
+    pub(crate) adapter: Option<(&'static str, f64)>,
 }
 
 pub(crate) fn number(request: &RunRequest, path: &str, default: f64) -> f64 {
@@ -139,7 +141,7 @@ pub(crate) fn number(request: &RunRequest, path: &str, default: f64) -> f64 {
 
 impl Laboratory for Fake {
     fn adapter(&self) -> String {
-        "paper and pencil".to_owned()
+        self.adapter.map_or("paper and pencil", |(name, _)| name).to_owned()
     }
 
     fn identity(&mut self, request: &RunRequest) -> Result<u128, Failure> {
@@ -166,7 +168,8 @@ impl Laboratory for Fake {
         let lights = number(request, "lights", 64.0);
         let per_light = if request.pipeline == "exact" { 0.1 } else { 0.01 };
         let triangles = triangles(&request.scene).filter(|_| request.pipeline == "exact").unwrap_or(0);
-        let ms = 2.0 + per_light * (lights + triangles as f64);
+        let slower = self.adapter.map_or(1.0, |(_, slower)| slower);
+        let ms = slower * (2.0 + per_light * (lights + triangles as f64));
         let sign = if request.seed.is_multiple_of(2) { -1.0 } else { 1.0 };
         let error = if request.pipeline == "truth" { 0.0 } else { (0.5 + sign) / lights };
         let first =

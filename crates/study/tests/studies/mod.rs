@@ -1,5 +1,6 @@
 //! Descriptions, plans, runs, and what is left behind.
 
+mod adapters;
 mod broken;
 mod budgets;
 mod claims;

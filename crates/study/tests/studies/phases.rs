@@ -40,7 +40,11 @@ fn phases_are_measures() {
     );
     let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
     assert!(read("cells.csv").contains("box,exact,0,gpu-ms:all,8.4,ms,done,,,"), "{}", read("cells.csv"));
-    assert!(read("summary.csv").contains("box,fast,gpu-ms:rays,ms,0,,\n"), "{}", read("summary.csv"));
+    assert!(
+        read("summary.csv").contains("box,fast,gpu-ms:rays,ms,0,,,paper and pencil\n"),
+        "{}",
+        read("summary.csv")
+    );
     study::report(&ran.results, folder.path()).unwrap();
     assert!(read("tables/box.md").contains("| visibility \\[ms\\] | all \\[ms\\] | rays \\[ms\\] |"));
     assert!(read("tables/box.tex").contains("visibility [ms] & all [ms] & rays [ms]"));

@@ -96,7 +96,10 @@ fn times(folder: &Path) -> BTreeMap<String, SystemTime> {
 fn without_times(mut results: Results) -> Results {
     results.study.started.clear();
     results.study.references.iter_mut().for_each(|reference| reference.seconds = 0.0);
-    results.cells.iter_mut().for_each(|cell| cell.seconds = 0.0);
+    for cell in &mut results.cells {
+        cell.seconds = 0.0;
+        cell.node.clock.clear();
+    }
     results
 }
 
@@ -111,7 +114,11 @@ fn a_study_goes_on_where_it_was_killed() {
         run(&plan, &mut Fake { dies_after: Some(4), ..Fake::default() }, folder.path()).map(|_| ())
     });
     assert!(killed.is_err());
-    fs::write(folder.path().join("cells/.lightloom-x.part"), "half").unwrap();
+    // What another machine left is taken away once it is old.
+    let rest = folder.path().join("cells/.lightloom-x.part");
+    fs::write(&rest, "half").unwrap();
+    let yesterday = SystemTime::now() - std::time::Duration::from_secs(2 * 24 * 60 * 60);
+    fs::File::options().write(true).open(&rest).unwrap().set_modified(yesterday).unwrap();
     let before = times(&folder.path().join("cells"));
     assert_eq!(before.len(), 4, "three cells and a rest: {before:?}");
     let mut lab = Fake::default();
@@ -165,13 +172,13 @@ fn parts_join_to_the_whole() {
     }
     assert_eq!(references, 1, "the second part takes the reference of the first");
     let merged = study::merge(&[at("part-1"), at("part-2")], &at("merged")).unwrap();
-    assert_eq!(without_times(merged), without_times(whole.results));
+    assert_eq!(without_times(merged.results), without_times(whole.results));
     for table in ["cells.csv", "summary.csv"] {
         let read = |name: &str| fs::read_to_string(at(name).join(table)).unwrap();
         assert_eq!(read("merged"), read("whole"));
     }
     // Into one of the parts too.
-    assert_eq!(study::merge(&[at("part-1"), at("part-2")], &at("part-1")).unwrap().cells.len(), 6);
+    assert_eq!(study::merge(&[at("part-1"), at("part-2")], &at("part-1")).unwrap().results.cells.len(), 6);
 }
 
 #[test]
@@ -184,7 +191,7 @@ fn a_reference_that_failed_in_one_part_is_taken_from_another() {
         told(&plan, &mut Fake { no_truth, ..Fake::default() }, &at(&format!("part-{part}")), &options);
     }
     for (first, second) in [("part-1", "part-2"), ("part-2", "part-1")] {
-        let merged = study::merge(&[at(first), at(second)], &at(&format!("{first}-first"))).unwrap();
+        let merged = study::merge(&[at(first), at(second)], &at(&format!("{first}-first"))).unwrap().results;
         let [reference] = &merged.study.references[..] else { panic!("one: {:?}", merged.study.references) };
         assert!(reference.image.is_some() && reference.error.is_empty(), "{first} first: {reference:?}");
     }
@@ -197,13 +204,120 @@ fn what_does_not_belong_together_is_not_joined() {
     run(&plan(study(SWEEP)), &mut Fake::default(), &at("a")).unwrap();
     run(&plan(study(&SWEEP.replace("256", "128"))), &mut Fake::default(), &at("b")).unwrap();
     let error = study::merge(&[at("a"), at("b")], &at("c")).unwrap_err().to_string();
-    assert!(error.contains("values differ") && error.contains("b: not a part"), "{error}");
-    let text = fs::read_to_string(at("b/study.json")).unwrap().replace("paper and pencil", "abacus");
-    fs::write(at("b/study.json"), text).unwrap();
+    assert!(error.contains("4 of its 6 cells") && error.contains("b: not a part"), "{error}");
+    let text = fs::read_to_string(at("a/study.json")).unwrap();
+    let own = format!("\"version\": \"{}\"", env!("CARGO_PKG_VERSION"));
+    fs::write(at("b/study.json"), text.replace(&own, "\"version\": \"0.0.1\"")).unwrap();
     let error = study::merge(&[at("a"), at("b")], &at("c")).unwrap_err().to_string();
-    assert!(error.contains("the adapter is abacus, not paper and pencil"), "{error}");
+    assert!(error.contains("b: not a part") && error.contains("the version is 0.0.1, not "), "{error}");
     let error = study::merge(&[at("a"), at("nowhere")], &at("c")).unwrap_err().to_string();
     assert!(error.contains("there is no study here"), "{error}");
+}
+
+/// The folder of a shard may have rows from before an edit, of another version, and files that are no rows.
+#[test]
+fn rows_of_other_plans_and_versions_are_refused_by_name() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    run(&plan(study(&SWEEP.replace("256", "128"))), &mut Fake::default(), &at("a")).unwrap();
+    let expected = run(&plan(study(SWEEP)), &mut Fake::default(), &at("a")).unwrap();
+    let other = at(&format!("a/cells/{}-1.json", "0".repeat(32)));
+    fs::write(&other, "{").unwrap();
+    // One of the rows from before the edit, as an earlier version would have written it.
+    let index = fs::read_to_string(at("a/index.json")).unwrap();
+    let rows = fs::read_dir(at("a/cells")).unwrap().flatten().map(|entry| entry.path());
+    let is_stale = |path: &std::path::PathBuf| {
+        !index.contains(path.file_stem().unwrap().to_str().unwrap().split('-').next().unwrap())
+    };
+    let stale = rows.filter(is_stale).find(|path| *path != other).unwrap();
+    let text = fs::read_to_string(&stale).unwrap();
+    let own = format!("\"version\": \"{}\"", env!("CARGO_PKG_VERSION"));
+    assert!(text.contains(&own), "{text}");
+    fs::write(&stale, text.replace(&own, "\"version\": \"0.0.1\"")).unwrap();
+    for into in ["b", "a"] {
+        let merged = study::merge(&[at("a")], &at(into)).unwrap();
+        assert_eq!(merged.results.cells, expected.results.cells);
+        let refused = merged.refused.join("\n");
+        assert_eq!(merged.refused.len(), 3, "{refused}");
+        let name = stale.file_name().unwrap().to_str().unwrap();
+        let version = merged.refused.iter().find(|why| why.contains(name)).unwrap();
+        assert!(version.contains("fast on box, lights = 128, seed"), "{refused}");
+        assert!(version.contains("its version is 0.0.1, not "), "{refused}");
+        assert!(
+            refused.contains("it is of another plan") && refused.contains("0-1.json: cannot be read"),
+            "{refused}"
+        );
+    }
+    assert_eq!(fs::read_dir(at("b/cells")).unwrap().count(), 6, "they were not copied");
+}
+
+/// Two processes in one folder: a batch system took one for dead, and started the other.
+#[test]
+fn a_cell_that_ran_twice_leaves_one_row() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = plan(study(SWEEP));
+    let options = RunOptions { shard: Some(Shard { part: 1, parts: 1 }), ..RunOptions::default() };
+    let (mut one, mut other) = (Fake::default(), Fake::default());
+    let mut begun = false;
+    let ran = study::run(&plan, &mut one, folder.path(), &options, &mut |event| {
+        // In the middle of the first cell, the other process runs all.
+        if matches!(event, study::Event::Cell { .. }) && !begun {
+            begun = true;
+            study::run(&plan, &mut other, folder.path(), &options, &mut |_| {}).unwrap();
+        }
+    });
+    assert_eq!(ran.unwrap().run, 1, "the others were finished by then");
+    assert_eq!(fs::read_dir(folder.path().join("cells")).unwrap().count(), 6);
+    let whole = tempfile::tempdir().unwrap();
+    let expected = run(&plan, &mut Fake::default(), whole.path()).unwrap();
+    let found = Results::read(folder.path()).unwrap();
+    assert_eq!(without_times(found), without_times(expected.results));
+}
+
+/// Shards take no lock, and a whole run does.
+#[test]
+fn a_shard_works_beside_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = plan(study(SWEEP));
+    let options = RunOptions { shard: Some(Shard { part: 1, parts: 2 }), ..RunOptions::default() };
+    let mut tries = Vec::new();
+    let ran = study::run(&plan, &mut Fake::default(), folder.path(), &RunOptions::default(), &mut |event| {
+        if matches!(event, study::Event::Begin { .. }) {
+            let mut lab = Fake::default();
+            tries.push(study::run(&plan, &mut lab, folder.path(), &options, &mut |_| {}).map(|ran| ran.run));
+            tries.push(run(&plan, &mut lab, folder.path()).map(|ran| ran.run));
+        }
+    });
+    assert_eq!(ran.unwrap().results.cells.len(), 6);
+    assert!(matches!(tries[..], [Ok(3), Err(study::StudyError::Locked { .. })]), "{tries:?}");
+}
+
+/// Adapters share a study: each cell has one row, which carries its machine.
+#[test]
+fn shards_of_several_adapters_are_joined() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let plan = plan(study(SWEEP));
+    let mut labs = [Fake::default(), Fake { adapter: Some(("abacus", 3.0)), ..Fake::default() }];
+    for (part, lab) in (1..).zip(&mut labs) {
+        let options = RunOptions {
+            shard: Some(Shard { part, parts: 2 }),
+            references: Some(at("shared")),
+            ..RunOptions::default()
+        };
+        study::run(&plan, lab, &at("all"), &options, &mut |_| {}).unwrap();
+    }
+    assert!(labs[1].ran.iter().all(|request| request.pipeline != "truth"), "the reference is shared");
+    let merged = study::merge(&[at("all")], &at("all")).unwrap();
+    assert_eq!((merged.results.cells.len(), merged.refused.len()), (6, 0));
+    assert_eq!(merged.results.adapters(), ["paper and pencil", "abacus"]);
+    for cell in &merged.results.cells {
+        assert!(!cell.node.host.is_empty() && !cell.node.clock.is_empty(), "{:?}", cell.node);
+    }
+    // Another run by one of them runs what the other ran, and takes its own rows.
+    let ran = run(&plan, &mut labs[1], &at("all")).unwrap();
+    assert_eq!((ran.run, ran.results.adapters()), (3, vec!["abacus"]));
+    assert_eq!(fs::read_dir(at("all/cells")).unwrap().count(), 9);
 }
 
 #[test]
@@ -293,7 +407,7 @@ fn references_of_every_size_are_joined() {
         let options = RunOptions { shard: Some(Shard { part, parts: 2 }), ..RunOptions::default() };
         told(&plan(study(sizes)), &mut Fake::default(), &at(&part.to_string()), &options);
     }
-    let merged = study::merge(&[at("1"), at("2")], &at("all")).unwrap();
+    let merged = study::merge(&[at("1"), at("2")], &at("all")).unwrap().results;
     let from: Vec<&str> = merged.study.references.iter().map(|reference| reference.from.as_str()).collect();
     assert_eq!(from, ["pipeline truth, 8x4", "pipeline truth, 4x4"]);
 }

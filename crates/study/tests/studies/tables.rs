@@ -11,11 +11,12 @@ fn tables_are_tidy_and_ordered() {
     let values = [("16", 1, "0.09375"), ("16", 2, "0.03125"), ("64", 1, "0.0234375"), ("64", 2, "0.0078125")];
     let rows = values.iter().zip(&ran.results.cells).map(|((lights, seed, value), cell)| {
         let (key, reference) = (&cell.key, cell.images.reference.as_deref().unwrap());
-        format!("box,fast,{lights},{seed},rmse,{value},W/(m² sr),done,,,{key},images/{key}.exr,{reference},images/{key}-flip.png\n")
+        let host = &cell.node.host;
+        format!("box,fast,{lights},{seed},rmse,{value},W/(m² sr),done,,,{key},images/{key}.exr,{reference},images/{key}-flip.png,{host},paper and pencil\n")
     });
     assert_eq!(
         read("cells.csv"),
-        "scene,pipeline,lights,seed,measure,value,unit,outcome,chosen,note,key,image,reference,flip\n"
+        "scene,pipeline,lights,seed,measure,value,unit,outcome,chosen,note,key,image,reference,flip,node,adapter\n"
             .to_owned()
             + &rows.collect::<String>()
     );
@@ -27,7 +28,7 @@ fn tables_are_tidy_and_ordered() {
     // Two values a and b: mean (a + b) / 2, interval t · |a − b| / 2 with t = 12.7062 for one degree of freedom.
     let summary = read("summary.csv");
     let rows: Vec<Vec<&str>> = summary.lines().map(|line| line.split(',').collect()).collect();
-    assert_eq!(rows[0].join(","), "scene,pipeline,lights,measure,unit,seeds,mean,half_width_95");
+    assert_eq!(rows[0].join(","), "scene,pipeline,lights,measure,unit,seeds,mean,half_width_95,adapter");
     assert_eq!((rows[1][6], rows[2][6]), ("0.0625", "0.015625"));
     let half: f64 = rows[1][7].parse().unwrap();
     assert!((half - 12.7062 * 0.03125).abs() < 1e-4, "{half}");

@@ -6,7 +6,7 @@ mod registry;
 mod warnings;
 
 use crate::context::{Context, Sort, parse_set, parse_size, set_text, unknown};
-use crate::output::{self, stdout, warn};
+use crate::output::{self, stderr, stdout, warn};
 use anyhow::{Context as _, Result, bail};
 use data_file::why_unreadable;
 use frame_graph::{Source, Value};
@@ -17,7 +17,7 @@ use renderer::Gpu;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use study::{AxisValue, Edits, Outcome, Plan, Results, RunOptions, Shard, Verdict};
+use study::{AxisValue, Edits, Outcome, Plan, Ran, Results, RunOptions, Shard, Verdict};
 use warnings::warnings;
 pub(crate) use warnings::{MOST_RUNS, without_effect};
 
@@ -41,7 +41,7 @@ pub(crate) struct Args {
     /// The folder for cells, pictures, tables and the report
     #[arg(short, long = "out", value_name = "DIR", required = true)]
     out: Option<PathBuf>,
-    /// Run shard i of n, into a folder of its own; `merge` joins shards
+    /// Run shard i of n, into the folder of all or one of its own; `merge` joins shards
     #[arg(long, value_name = "i/n")]
     shard: Option<Shard>,
     /// A folder for references, shared with other studies and shards
@@ -104,7 +104,13 @@ enum Other {
 
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     match &args.other {
-        Some(Other::Merge { parts, out }) => report(context, &study::merge(parts, out)?, out, None),
+        Some(Other::Merge { parts, out }) => {
+            let merged = study::merge(parts, out)?;
+            for reason in &merged.refused {
+                stderr!("not taken: {reason}");
+            }
+            report(context, &merged.results, out, None)
+        }
         Some(Other::Report { folder }) => {
             let results = Results::read(folder)?;
             study::write_tables(&results, folder)?;
@@ -159,6 +165,10 @@ fn run_study(context: &Context, args: &Args, file: &str, out: &Path) -> Result<(
     progress.finish();
     let ran =
         ran.context("the study stopped; what is finished is kept, and the same command goes on from there")?;
+    if args.shard.is_some() {
+        shard_report(context, &ran);
+        return Ok(());
+    }
     report(context, &ran.results, out, Some(ran.run))?;
     if ran.failed > 0 {
         bail!("{}", failed(ran.failed));
@@ -217,22 +227,60 @@ fn command(args: &Args, file: &str) -> String {
     words.join(" ")
 }
 
-/// Writes the report and prints a summary.
-fn report(context: &Context, results: &Results, folder: &Path, run: Option<usize>) -> Result<()> {
-    let files = study::report(results, folder)?;
-    let page = files.first().map(|page| page.canonicalize().unwrap_or_else(|_| page.clone()));
+/// Prints the summary of a shard. Its failed cells are rows too: they are in the report of the whole, and fail no batch job.
+fn shard_report(context: &Context, ran: &Ran) {
+    let study = &ran.results.study;
+    let missing = study.cell_count.saturating_sub(ran.results.cells.len());
+    let failures = failures(&ran.results);
+    if context.json {
+        output::json(&json!({
+            "study": study.name,
+            "cells": ran.results.cells.len(),
+            "missing": missing,
+            "run": ran.run,
+            "failed": failures_json(&failures),
+        }));
+        return;
+    }
+    print_failures(&failures);
+    stdout!(
+        "{} of {} cells are of this shard; {} ran now",
+        ran.results.cells.len(),
+        study.cell_count,
+        ran.run
+    );
+}
+
+/// Returns the cells that failed, each with the first line of its error.
+fn failures(results: &Results) -> Vec<(String, &str)> {
     let failures = results.cells.iter().filter_map(|cell| match &cell.outcome {
         Outcome::Done => None,
         Outcome::Failed { error } => Some((study::name_of(cell), error.lines().next().unwrap_or_default())),
     });
+    failures.collect()
+}
+
+fn failures_json(failures: &[(String, &str)]) -> serde_json::Value {
+    failures.iter().map(|(cell, error)| json!({ "cell": cell, "error": error })).collect()
+}
+
+fn print_failures(failures: &[(String, &str)]) {
+    for (cell, error) in failures {
+        stdout!("failed  {cell}: {error}");
+    }
+}
+
+/// Writes the report and prints a summary.
+fn report(context: &Context, results: &Results, folder: &Path, run: Option<usize>) -> Result<()> {
+    let files = study::report(results, folder)?;
+    let page = files.first().map(|page| page.canonicalize().unwrap_or_else(|_| page.clone()));
+    let failures = failures(results);
     let missing = results.study.cell_count.saturating_sub(results.cells.len());
     let findings = results.findings();
     let claims = |verdict| findings.iter().filter(|finding| finding.verdict == verdict).count();
     let [hold, fail, undecided, not_measured] =
         [Some(Verdict::Holds), Some(Verdict::Fails), Some(Verdict::Undecided), None].map(claims);
     if context.json {
-        let failures: Vec<_> =
-            failures.map(|(cell, error)| json!({ "cell": cell, "error": error })).collect();
         let pictures: Vec<_> = results
             .cells
             .iter()
@@ -244,16 +292,14 @@ fn report(context: &Context, results: &Results, folder: &Path, run: Option<usize
             "cells": results.cells.len(),
             "missing": missing,
             "run": run,
-            "failed": failures,
+            "failed": failures_json(&failures),
             "pictures": pictures,
             "claims": { "hold": hold, "fail": fail, "undecided": undecided, "not_measured": not_measured },
             "findings": findings,
         }));
         return Ok(());
     }
-    for (cell, error) in failures {
-        stdout!("failed  {cell}: {error}");
-    }
+    print_failures(&failures);
     if missing > 0 {
         stdout!("{missing} of {} cells are not here", results.study.cell_count);
     }

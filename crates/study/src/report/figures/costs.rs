@@ -135,7 +135,7 @@ fn charts(
 
 fn bar_row(digest: &Digest<'_>, row: &Row<'_>, bars: Vec<Vec<Segment>>, total: String) -> BarRow {
     BarRow {
-        heading: digest.pipelines[row.pipeline].to_owned(),
+        heading: digest.pipelines[row.pipeline].clone(),
         label: digest.values_text(row, &digest.varied()),
         bars,
         total,

@@ -59,7 +59,8 @@ fn time_chart(
     let floor = digest.noise(scene, measure);
     // An error below that of the reference is no better than that; if all are, there is no front.
     let bounded = |p: &&Point| (p.x, floor.map_or(p.y, |floor| p.y.max(floor)));
-    let has_front = points.iter().any(|p| floor.is_none_or(|floor| p.y > floor));
+    // The times of several adapters have no front in common.
+    let has_front = digest.adapters == 1 && points.iter().any(|p| floor.is_none_or(|floor| p.y > floor));
     let front = if has_front {
         pareto(&points.iter().map(bounded).collect::<Vec<_>>(), measure.better)
     } else {
@@ -79,6 +80,9 @@ fn time_chart(
         } else {
             " Nothing that was measured lies beyond the Pareto front."
         };
+    }
+    if digest.adapters > 1 {
+        caption += &format!(" Each curve has the times of one adapter; {}.", digest.errors_are_of());
     }
     if let Some(floor) = floor {
         caption += &format!(" The reference’s own {} is about {}.", measure.label, number::short(floor, 2));
@@ -204,7 +208,7 @@ fn series(
     dashes: &dyn Fn(&Row<'_>) -> usize,
     point: &dyn Fn(&Row<'_>) -> Option<Point>,
 ) -> Vec<Series> {
-    let one = |(index, name): (usize, &&str)| {
+    let one = |(index, name): (usize, &String)| {
         let mut lines: Vec<(Combination<'_>, Vec<(&Row<'_>, Point)>)> = Vec::new();
         for row in digest.of_scene(scene).filter(|row| row.pipeline == index) {
             let Some(point) = point(row) else { continue };
@@ -229,7 +233,7 @@ fn series(
             points: line.into_iter().map(|(_, point)| point).collect(),
         };
         let lines: Vec<Line> = lines.into_iter().map(line).collect();
-        (!lines.is_empty()).then(|| Series { name: (*name).to_owned(), index, lines })
+        (!lines.is_empty()).then(|| Series { name: name.clone(), index, lines })
     };
     digest.pipelines.iter().enumerate().filter_map(one).collect()
 }

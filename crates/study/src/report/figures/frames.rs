@@ -84,14 +84,14 @@ impl<'a> Walk<'a> {
 
     /// Returns series whose colors are pipelines and whose dashes are combinations.
     fn by_pipeline(&self, shown: &[Combination<'_>]) -> Vec<Series> {
-        let one = |(index, name): (usize, &&str)| {
+        let one = |(index, name): (usize, &String)| {
             let own = self.curves.iter().filter(|(row, _)| row.pipeline == index);
             let lines = own.filter_map(|curve| {
                 let dashes = shown.iter().position(|values| *values == group(curve.0, &self.varied))?;
                 Some(self.lines(curve, dashes))
             });
             let lines: Vec<Line> = lines.flatten().collect();
-            (!lines.is_empty()).then(|| Series { name: (*name).to_owned(), index, lines })
+            (!lines.is_empty()).then(|| Series { name: name.clone(), index, lines })
         };
         self.digest.pipelines.iter().enumerate().filter_map(one).collect()
     }

@@ -59,7 +59,7 @@ pub(super) fn insets(
         if let Ok(image) = Image::read(folder.join(path)) {
             let display = truths[of_cell(digest, truths, row, cell)].display;
             let values = digest.values_text(row, &digest.varied());
-            add(&image, display, row.scene, &[digest.pipelines[row.pipeline], &values]);
+            add(&image, display, row.scene, &[&digest.pipelines[row.pipeline], &values]);
         }
     }
     files

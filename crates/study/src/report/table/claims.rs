@@ -24,7 +24,10 @@ pub(in crate::report) fn of_claims(digest: &Digest<'_>) -> Option<Table> {
         vec![
             Entry::Text(claim_text(finding.claim, info)),
             Entry::Text(finding.claim.says.clone()),
-            Entry::Text(scenes_text(&finding.scenes)),
+            Entry::Text(match finding.adapter {
+                Some(adapter) => format!("{} · {adapter}", scenes_text(&finding.scenes)),
+                None => scenes_text(&finding.scenes),
+            }),
             Entry::Text(measured_text(finding, info)),
             verdict_entry(finding.verdict),
         ]
