@@ -2,7 +2,9 @@
 
 use crate::action::{Action, Tab, View, table};
 use crate::editor::Editor;
+use crate::edits::{Saved, Settings};
 use crate::engine::{Command, Engine, Look, Measures, Published, SceneView, SideId, Start};
+use crate::leave::{Leave, Leaving};
 use crate::palette::Palette;
 use crate::panel;
 use crate::panel::look::Inspector;
@@ -115,6 +117,16 @@ pub(crate) struct App {
     pub(crate) writing: panel::write::Writing,
     /// A file that is to be named: what is saved, and the name so far.
     pub(crate) saving: Option<panel::save::Saving>,
+    /// The pipelines and their values as the user asked for them.
+    pub(crate) settings: Vec<Settings>,
+    /// What of it is in files.
+    pub(crate) saved: Saved,
+    /// What would lose changes, and is asked about.
+    pub(crate) leaving: Option<Leaving>,
+    /// The same, while the changes are being saved.
+    pub(crate) leave_after_save: Option<Leave>,
+    /// Whether the window is being closed, and nothing is asked any more.
+    pub(crate) quits: bool,
     /// Whether camera and lights are held as they were written into the scene's file: the scene's own are shown as soon as it
     /// is read again, so that the next change of the file is seen.
     pub(crate) holds_what_is_saved: bool,
@@ -144,6 +156,12 @@ impl App {
         remembered.scene.clone_from(&start.scene);
         remembered.pipeline.clone_from(&start.pipeline);
         let other = remembered.other.clone();
+        let mut saved = Saved::default();
+        saved.take_settings(&start.pipeline, &start.overrides);
+        let mut settings = vec![(SideId::A, start.pipeline.clone(), start.overrides.clone())];
+        if !other.is_empty() {
+            settings.push((SideId::B, other.clone(), Overrides::default()));
+        }
         let engine = Engine::start(start, move || repaint.request_repaint());
         if !other.is_empty() {
             engine.send(Command::Pipeline(SideId::B, other, Overrides::default()));
@@ -171,6 +189,11 @@ impl App {
             scene_panel: panel::scene::ScenePanel::default(),
             writing: panel::write::Writing::default(),
             saving: None,
+            settings,
+            saved,
+            leaving: None,
+            leave_after_save: None,
+            quits: false,
             holds_what_is_saved: false,
             editor: None,
             begun: Instant::now(),
@@ -189,6 +212,8 @@ impl App {
         let now = self.engine.published().clone();
         let before = std::mem::replace(&mut self.now, now);
         self.take_scene(before.scene.as_ref());
+        self.take_settings();
+        self.hold_open(ui.ctx());
         self.pilot.time.take_if(|time| *time == self.now.time || self.now.playing);
         if let Some(dark) = self.remembered.dark {
             ui.ctx().set_theme(if dark { egui::Theme::Dark } else { egui::Theme::Light });
@@ -223,6 +248,7 @@ impl App {
         panel::help::show(self, &context);
         crate::palette::show(self, &context);
         panel::save::show(self, &context);
+        crate::leave::show(self, &context);
         self.request();
         let ms = begun.elapsed().as_secs_f32() * 1e3;
         self.interface_ms += (ms - self.interface_ms) * 0.1;
@@ -291,7 +317,7 @@ impl App {
 
     /// Whether something is asked for over the window, which keys go to.
     pub(crate) fn asks(&self) -> bool {
-        self.palette.is_some() || self.saving.is_some()
+        self.palette.is_some() || self.saving.is_some() || self.leaving.is_some()
     }
 
     /// Does what an action says.
@@ -333,7 +359,7 @@ impl App {
                 }
             }
             Action::SaveScene => self.saving = panel::save::Saving::scene(self),
-            Action::SaveVariant => self.saving = panel::save::Saving::variant(self),
+            Action::SaveVariant => self.saving = panel::save::Saving::variant(self, SideId::A),
             Action::Screenshot => self.screenshot(),
             Action::VirtualLights => {
                 self.virtual_lights = !self.virtual_lights;
@@ -353,7 +379,7 @@ impl App {
             Action::Theme => {
                 self.remembered.dark = Some(!context.theme().default_visuals().dark_mode);
             }
-            Action::Quit => context.send_viewport_cmd(egui::ViewportCommand::Close),
+            Action::Quit => self.leave(Leave::Quit, context),
         }
     }
 
@@ -368,21 +394,25 @@ impl App {
         self.engine.send(Command::Time(time));
     }
 
-    /// Renders by another pipeline.
-    pub(crate) fn open_pipeline(&mut self, side: SideId, name: &str) {
+    /// Renders by another pipeline, with values for its parameters and settings.
+    pub(crate) fn open_pipeline(&mut self, side: SideId, name: &str, overrides: Overrides) {
         match side {
             SideId::A => name.clone_into(&mut self.remembered.pipeline),
             SideId::B => name.clone_into(&mut self.remembered.other),
             SideId::Reference => {}
         }
         self.controls.forget(side);
-        self.engine.send(Command::Pipeline(side, name.to_owned(), Overrides::default()));
+        self.settings.retain(|(known, ..)| *known != side);
+        self.settings.push((side, name.to_owned(), overrides.clone()));
+        self.settings.sort_by_key(|(side, ..)| *side);
+        self.engine.send(Command::Pipeline(side, name.to_owned(), overrides));
     }
 
     /// Ends the comparison.
     pub(crate) fn close_other(&mut self) {
         self.remembered.other.clear();
         self.remembered.view = View::One;
+        self.settings.retain(|(side, ..)| *side != SideId::B);
         self.engine.send(Command::Close(SideId::B));
     }
 
@@ -392,16 +422,15 @@ impl App {
         self.pilot = Pilot::default();
         self.remembered.camera = None;
         self.scene_panel = panel::scene::ScenePanel::default();
+        self.saved.take_lights(None);
         self.engine.send(Command::Scene(name.to_owned()));
     }
 
     fn swap(&mut self) {
         let both = (self.now.side(SideId::A).cloned(), self.now.side(SideId::B).cloned());
         let (Some(a), Some(b)) = both else { return };
-        self.remembered.pipeline.clone_from(&b.name);
-        self.remembered.other.clone_from(&a.name);
-        self.engine.send(Command::Pipeline(SideId::A, b.name, b.overrides));
-        self.engine.send(Command::Pipeline(SideId::B, a.name, a.overrides));
+        self.open_pipeline(SideId::A, &b.name, b.overrides);
+        self.open_pipeline(SideId::B, &a.name, a.overrides);
     }
 
     fn screenshot(&mut self) {

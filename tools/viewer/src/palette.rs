@@ -3,7 +3,9 @@
 use crate::action::{Action, Tab, table};
 use crate::app::App;
 use crate::engine::SideId;
+use crate::leave::Leave;
 use eframe::egui::{self, Context, Key, RichText, ScrollArea, TextEdit, Vec2, vec2};
+use frame_graph::Overrides;
 
 /// The palette while it is open.
 #[derive(Debug, Default)]
@@ -185,8 +187,10 @@ pub(crate) fn show(app: &mut App, context: &Context) {
         // It is closed already.
         Some(Does::Act(Action::Palette)) | None => {}
         Some(Does::Act(action)) => app.act(action, context),
-        Some(Does::Pipeline(side, name)) => app.open_pipeline(side, &name),
-        Some(Does::Scene(name)) => app.open_scene(&name),
+        Some(Does::Pipeline(side, name)) => {
+            app.leave(Leave::Pipeline(side, name, Overrides::default()), context);
+        }
+        Some(Does::Scene(name)) => app.leave(Leave::Scene(name), context),
         Some(Does::Pass(name)) => {
             (app.remembered.panels, app.remembered.tab) = (true, Tab::Look);
             app.inspector.choose(SideId::A, &name);

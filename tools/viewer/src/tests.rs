@@ -1,5 +1,7 @@
 //! The interface by its accessibility tree: what is there has a name, and can be reached by the keyboard.
 
+mod leave;
+
 use crate::action::{Action, Tab, View};
 use crate::app::{App, Remembered};
 use crate::engine::{Command, SideId, Start};
@@ -114,7 +116,7 @@ fn focused(harness: &Window) -> Option<String> {
 fn every_control_has_a_name_and_is_reached_by_the_keyboard() {
     let Some(mut harness) = window("ism-invtm", "cornell-box-moving") else { return };
     let app = harness.state_mut();
-    app.open_pipeline(SideId::B, "ism-uniform");
+    app.open_pipeline(SideId::B, "ism-uniform", Overrides::default());
     app.remembered.view = View::Split;
     app.engine.send(Command::Value(SideId::B, "lights".to_owned(), Value::U32(16)));
     pump(&mut harness, |app| app.now.side(SideId::B).is_some_and(|side| side.picture.is_some()));
@@ -251,7 +253,7 @@ fn a_scene_that_is_not_there_at_the_start_is_waited_for() {
 fn another_scene_can_be_opened_in_place_of_one_that_is_not_there() {
     let Some(mut harness) = opened("ism-invtm", "gone") else { return };
     pump(&mut harness, |app| app.now.troubles.iter().any(|trouble| trouble.of == "scene"));
-    harness.state_mut().open_pipeline(SideId::A, "ism-uniform");
+    harness.state_mut().open_pipeline(SideId::A, "ism-uniform", Overrides::default());
     harness.state_mut().open_scene("plane");
     pump(&mut harness, |app| shows_a_picture(app) && app.now.troubles.is_empty());
     assert_eq!(harness.state().now.side(SideId::A).unwrap().name, "ism-uniform");
@@ -262,7 +264,7 @@ fn a_scene_that_is_not_there_leaves_the_one_before_to_work_on() {
     let Some(mut harness) = window("ism-invtm", "plane") else { return };
     harness.state_mut().open_scene("gone");
     pump(&mut harness, |app| app.now.troubles.iter().any(|trouble| trouble.of == "scene"));
-    harness.state_mut().open_pipeline(SideId::A, "ism-uniform");
+    harness.state_mut().open_pipeline(SideId::A, "ism-uniform", Overrides::default());
     pump(&mut harness, |app| {
         app.now.side(SideId::A).is_some_and(|side| side.name == "ism-uniform" && side.frames > 0)
     });

@@ -20,7 +20,7 @@ pub(crate) use statistics::PassTimes;
 use crate::terminal;
 use renderer::Catalog;
 use session::{Lost, Session};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
@@ -49,6 +49,8 @@ pub(crate) struct Start {
 /// The thread that renders, and what it has published. It ends when this is dropped.
 pub(crate) struct Engine {
     commands: Sender<Command>,
+    /// The number of commands that were sent.
+    sent: AtomicU64,
     /// Set while a command waits.
     waits: Arc<AtomicBool>,
     /// Set once the window is closed.
@@ -82,14 +84,20 @@ impl Engine {
                 }
             }
         });
-        Engine { commands, waits, quits, published, thread: thread.ok() }
+        Engine { commands, sent: AtomicU64::new(0), waits, quits, published, thread: thread.ok() }
     }
 
     /// Sends a command. It is carried out before the next frame.
     pub(crate) fn send(&self, command: Command) {
+        self.sent.fetch_add(1, Ordering::Relaxed);
         // A session that has ended has said why.
         let _ = self.commands.send(command);
         self.waits.store(true, Ordering::Release);
+    }
+
+    /// Returns the number of commands that were sent.
+    pub(crate) fn sent(&self) -> u64 {
+        self.sent.load(Ordering::Relaxed)
     }
 
     /// Returns what is published now. The engine waits while this is held.

@@ -240,6 +240,10 @@ pub(crate) struct Published {
     pub(crate) playing: bool,
     /// The pipelines.
     pub(crate) sides: Vec<(SideId, SideView)>,
+    /// The number of commands that were carried out, or that a later one made pointless.
+    pub(crate) executed: u64,
+    /// The pipelines and their values after these commands, also of those that could not be loaded.
+    pub(crate) settings: Vec<(SideId, String, Overrides)>,
     /// The resource that is looked at.
     pub(crate) looked: Option<Looked>,
     /// Why the resource that is asked for cannot be looked at.

@@ -167,7 +167,9 @@ impl Session {
                 Err(RecvTimeoutError::Disconnected) => return None,
             };
             waits.store(false, Ordering::Release);
+            let resumed = batch.len();
             batch.extend(first.into_iter().chain(commands.try_iter()));
+            let received = (batch.len() - resumed) as u64;
             while !batch.is_empty() {
                 let command = batch.remove(0);
                 if batch.iter().any(|later| later.supersedes(&command)) {
@@ -176,6 +178,13 @@ impl Session {
                 if let Next::Quit = self.execute(command, quits, publisher) {
                     return None;
                 }
+            }
+            if received > 0 {
+                let settings = self.settings();
+                publisher.with(|published| {
+                    published.executed += received;
+                    published.settings = settings;
+                });
             }
             if let Some(saved) = self.files.saved() {
                 self.reload(&saved, waits, publisher);
@@ -192,6 +201,16 @@ impl Session {
 
     fn busy(&self) -> bool {
         self.playing || self.measuring.waits() || self.sides.iter().any(|(_, side)| side.wants_a_frame())
+    }
+
+    /// Returns the pipelines and their values, also of those that could not be loaded.
+    fn settings(&self) -> Vec<(SideId, String, Overrides)> {
+        let of_side = |(id, side): &(SideId, Side)| {
+            let loaded = || (side.renderer.pipeline_name().to_owned(), side.overrides());
+            let (name, overrides) = side.wanted.clone().unwrap_or_else(loaded);
+            (*id, name, overrides)
+        };
+        self.sides.iter().map(of_side).collect()
     }
 
     fn side(&mut self, id: SideId) -> Option<&mut Side> {

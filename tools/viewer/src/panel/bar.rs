@@ -3,29 +3,32 @@
 use crate::action::{Action, View};
 use crate::app::App;
 use crate::engine::{Command, SideId};
+use crate::leave::Leave;
 use eframe::egui::{self, ComboBox, Slider, Ui};
+use frame_graph::Overrides;
 use renderer::Named;
 
 pub(crate) fn show(app: &mut App, ui: &mut Ui) {
+    let context = ui.ctx().clone();
     ui.horizontal_wrapped(|ui| {
         let a =
             app.now.side(SideId::A).map_or_else(|| app.remembered.pipeline.clone(), |side| side.name.clone());
         let pipelines = app.library.pipelines().to_vec();
         if let Some(name) = choose(ui, "Pipeline A", &a, &pipelines, None) {
-            app.open_pipeline(SideId::A, &name);
+            app.leave(Leave::Pipeline(SideId::A, name, Overrides::default()), &context);
         }
         let scene =
             app.now.scene.as_ref().map_or_else(|| app.remembered.scene.clone(), |s| s.scene.spec.clone());
         let scenes = app.library.scenes().to_vec();
         if let Some(name) = choose(ui, "Scene", &scene, &scenes, None) {
-            app.open_scene(&name);
+            app.leave(Leave::Scene(name), &context);
         }
         ui.separator();
         let b = app.now.side(SideId::B).map_or(String::new(), |side| side.name.clone());
         match choose(ui, "Pipeline B", &b, &pipelines, Some("none")) {
-            Some(name) if name.is_empty() => app.close_other(),
+            Some(name) if name.is_empty() => app.leave(Leave::CloseOther, &context),
             Some(name) => {
-                app.open_pipeline(SideId::B, &name);
+                app.leave(Leave::Pipeline(SideId::B, name, Overrides::default()), &context);
                 if app.remembered.view == View::One {
                     app.remembered.view = View::Split;
                 }
@@ -42,7 +45,6 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
         }
         ui.separator();
         animation(app, ui);
-        let context = ui.ctx().clone();
         if ui.button("Keys").on_hover_text("F1").clicked() {
             app.act(Action::Help, &context);
         }

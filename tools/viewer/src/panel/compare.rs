@@ -3,6 +3,7 @@
 use crate::action::{Action, View};
 use crate::app::App;
 use crate::engine::SideId;
+use crate::leave::Leave;
 use eframe::egui::{Grid, Slider, Ui};
 
 pub(crate) fn show(app: &mut App, ui: &mut Ui) {
@@ -28,8 +29,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
             && let Some(a) = app.now.side(SideId::A)
         {
             let (name, overrides) = (a.name.clone(), a.overrides.clone());
-            app.remembered.other.clone_from(&name);
-            app.engine.send(crate::engine::Command::Pipeline(SideId::B, name, overrides));
+            app.leave(Leave::Pipeline(SideId::B, name, overrides), &context);
         }
     });
     ui.separator();

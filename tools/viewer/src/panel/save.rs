@@ -26,18 +26,12 @@ enum What {
 }
 
 impl Saving {
-    /// A variant of pipeline A with the values that were changed.
-    pub(crate) fn variant(app: &App) -> Option<Saving> {
-        let side = app.now.side(SideId::A)?;
+    /// A variant of the pipeline of a side with the values that were changed.
+    pub(crate) fn variant(app: &App, id: SideId) -> Option<Saving> {
+        let side = app.now.side(id)?;
         let stem = Path::new(&side.name).file_stem()?.to_string_lossy().into_owned();
         let path = free(|number| format!("{stem}-variant{number}.ron"));
-        Some(Saving {
-            what: What::Variant(SideId::A),
-            path,
-            about: String::new(),
-            error: None,
-            opened: false,
-        })
+        Some(Saving { what: What::Variant(id), path, about: String::new(), error: None, opened: false })
     }
 
     /// The scene with the camera, lights and keys as they are now.
@@ -131,7 +125,7 @@ fn write_new(path: &Path, text: &str) -> Result<()> {
 /// Asks for the name where something is about to be saved.
 pub(crate) fn show(app: &mut App, context: &Context) {
     let Some(mut saving) = app.saving.take() else { return };
-    let mut done = false;
+    let (mut done, mut saved) = (false, false);
     let modal = Modal::new(Id::unique("save")).show(context, |ui| {
         ui.set_width(520f32.min(context.content_rect().width() - 40.0));
         let heading = match &saving.what {
@@ -164,14 +158,21 @@ pub(crate) fn show(app: &mut App, context: &Context) {
             if ui.button("Save").clicked() || enter {
                 match saving.write(app) {
                     Ok(line) => {
+                        if let What::Variant(side) = saving.what
+                            && let Some((name, overrides)) =
+                                app.now.side(side).map(|side| (side.name.clone(), side.overrides.clone()))
+                        {
+                            app.saved.take_settings(&name, &overrides);
+                        }
                         if let What::Scene(_) = saving.what {
                             app.scene_panel.saved();
+                            app.saved.take_lights(app.pilot.lights.clone());
                             let file = app.now.scene.as_ref().and_then(|view| view.file.as_deref());
                             app.holds_what_is_saved = file == Some(Path::new(saving.path.trim()));
                         }
                         terminal::say(&line);
                         app.engine.published().say(line, false);
-                        done = true;
+                        saved = true;
                     }
                     Err(error) => {
                         saving.error = Some(format!("{error:#}"));
@@ -185,7 +186,11 @@ pub(crate) fn show(app: &mut App, context: &Context) {
             }
         });
     });
-    if !done && !modal.should_close() {
+    if saved {
+        app.leave_after_save(context);
+    } else if !done && !modal.should_close() {
         app.saving = Some(saving);
+    } else {
+        app.leave_after_save = None;
     }
 }

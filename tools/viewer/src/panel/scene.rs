@@ -12,6 +12,8 @@ use scene::{Camera, CameraKey, Light, LightKey, LightKind, SceneEdit, SceneKeys}
 pub(crate) struct ScenePanel {
     /// `None` until there is one to add or to take away.
     keys: Option<SceneKeys>,
+    /// The keys of the file, where they are edited.
+    of_file: SceneKeys,
 }
 
 impl ScenePanel {
@@ -22,7 +24,20 @@ impl ScenePanel {
             // The errors of a file were reported when it was loaded.
             scene::keys_of(view.file.as_ref()?, view.scene.origin).ok()
         };
-        self.keys.get_or_insert_with(|| of_file().unwrap_or_default())
+        if self.keys.is_none() {
+            self.of_file = of_file().unwrap_or_default();
+        }
+        self.keys.get_or_insert_with(|| self.of_file.clone())
+    }
+
+    /// Returns the keys as they are edited; `None` where those of the file stand.
+    pub(crate) fn edited_keys(&self) -> Option<SceneKeys> {
+        self.keys.clone()
+    }
+
+    /// Returns whether there are keys that are not in the file.
+    pub(crate) fn has_unsaved_keys(&self) -> bool {
+        self.keys.as_ref().is_some_and(|keys| *keys != self.of_file)
     }
 
     /// Forgets the keys, which are in the file now.

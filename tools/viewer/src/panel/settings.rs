@@ -2,7 +2,7 @@
 
 use crate::action::Action;
 use crate::app::App;
-use crate::engine::{Command, SideId};
+use crate::engine::SideId;
 use eframe::egui::{
     self, Checkbox, CollapsingHeader, ComboBox, DragValue, RichText, ScrollArea, Slider, SliderClamping,
     TextEdit, Ui,
@@ -74,7 +74,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
         if ui.add_enabled(changed > 0, reset).clicked() {
             app.controls.forget(side);
             for (path, _) in &shown.overrides.0 {
-                app.engine.send(Command::Reset(side, path.clone()));
+                app.reset_value(side, path);
             }
         }
     });
@@ -141,14 +141,14 @@ fn control(app: &mut App, ui: &mut Ui, side: SideId, settable: &Settable, overri
             let about = format!("{}: back to what the file says", settable.path);
             if changed && ui.small_button("reset").on_hover_text(about).clicked() {
                 app.controls.given.remove(&(side, settable.path.clone()));
-                app.engine.send(Command::Reset(side, settable.path.clone()));
+                app.reset_value(side, &settable.path);
                 value.clone_from(&before);
             }
         });
     });
     if value != before {
         app.controls.given.insert((side, settable.path.clone()), (value.clone(), Instant::now()));
-        app.engine.send(Command::Value(side, settable.path.clone(), value));
+        app.set_value(side, &settable.path, value);
     }
 }
 
