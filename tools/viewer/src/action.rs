@@ -75,6 +75,10 @@ pub(crate) enum Action {
     Help,
     /// Opens the palette.
     Palette,
+    /// Goes a step forward again.
+    Redo,
+    /// Goes a step back.
+    Undo,
     /// Exchanges A and B.
     Swap,
     /// Shows the other of A and B.
@@ -142,6 +146,13 @@ pub(crate) fn table() -> Vec<Entry> {
         entry(A::Palette, "Palette: any command, pipeline, scene or pass", ctrl(Key::P)),
         entry(A::Settings, "Show or hide the settings", plain(Key::F2)),
         entry(A::Bare, "Show the picture alone", plain(Key::F11)),
+        // The key of one is part of that of the other, which is taken first.
+        entry(
+            A::Redo,
+            "Redo",
+            Some(KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z)),
+        ),
+        entry(A::Undo, "Undo a change of settings, camera, lights or keys", ctrl(Key::Z)),
         entry(A::Swap, "Exchange pipelines A and B", plain(Key::X)),
         entry(A::Flick, "Flicker between A and B", plain(Key::Space)),
         entry(A::Show(View::One), "Show A alone", plain(Key::Num1)),

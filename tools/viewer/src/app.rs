@@ -4,6 +4,7 @@ use crate::action::{Action, Tab, View, table};
 use crate::editor::Editor;
 use crate::edits::{Saved, Settings};
 use crate::engine::{Command, Engine, Look, Measures, Published, SceneView, SideId, Start};
+use crate::history::History;
 use crate::leave::{Leave, Leaving};
 use crate::palette::Palette;
 use crate::panel;
@@ -121,6 +122,8 @@ pub(crate) struct App {
     pub(crate) settings: Vec<Settings>,
     /// What of it is in files.
     pub(crate) saved: Saved,
+    /// The way back.
+    pub(crate) history: History,
     /// What would lose changes, and is asked about.
     pub(crate) leaving: Option<Leaving>,
     /// The same, while the changes are being saved.
@@ -191,6 +194,7 @@ impl App {
             saving: None,
             settings,
             saved,
+            history: History::default(),
             leaving: None,
             leave_after_save: None,
             quits: false,
@@ -249,6 +253,7 @@ impl App {
         crate::palette::show(self, &context);
         panel::save::show(self, &context);
         crate::leave::show(self, &context);
+        self.remember_steps(&context);
         self.request();
         let ms = begun.elapsed().as_secs_f32() * 1e3;
         self.interface_ms += (ms - self.interface_ms) * 0.1;
@@ -268,6 +273,7 @@ impl App {
             // What was moved by hand stays where it is in the file's space.
             let by = (before.scene.origin - now.scene.origin).as_vec3();
             self.pilot.shift(&self.engine, by);
+            self.history = History::default();
             self.scene_panel.saved();
         }
     }
@@ -300,12 +306,15 @@ impl App {
         context.input(|input| self.pilot.hold(input));
         // A widget that has the focus gets plain keys first.
         let typing = context.memory(|memory| memory.focused().is_some()) || self.asks();
+        let of_text = context.text_edit_focused();
         let entries = table();
         let taken: Vec<Action> = context.input_mut(|input| {
             let takes = |entry: &&crate::action::Entry| {
                 let Some(key) = entry.key else { return false };
                 let function = key.logical_key.name().starts_with('F') && key.logical_key.name().len() > 1;
-                let free = key.modifiers.command || function || !typing;
+                // A text has its own steps back and forward.
+                let own = of_text && matches!(entry.action, Action::Undo | Action::Redo);
+                let free = (key.modifiers.command || function || !typing) && !own;
                 free && input.consume_shortcut(&key)
             };
             entries.iter().filter(takes).map(|entry| entry.action).collect()
@@ -330,6 +339,8 @@ impl App {
                     None => Some(Palette::default()),
                 }
             }
+            Action::Undo => self.undo(),
+            Action::Redo => self.redo(),
             Action::Swap => self.swap(),
             Action::Flick => {
                 self.remembered.view = View::Flicker;
@@ -423,6 +434,8 @@ impl App {
         self.remembered.camera = None;
         self.scene_panel = panel::scene::ScenePanel::default();
         self.saved.take_lights(None);
+        // Lights and cameras of one scene mean nothing in another.
+        self.history = History::default();
         self.engine.send(Command::Scene(name.to_owned()));
     }
 

@@ -66,6 +66,14 @@ pub(crate) fn changed_paths(before: &Overrides, now: &Overrides) -> Vec<String> 
     paths
 }
 
+/// Returns the same values by path: two orders are no change.
+fn sorted(overrides: &Overrides) -> Overrides {
+    let mut values = overrides.0.clone();
+    // The last of a path wins, and stays the last.
+    values.sort_by(|a, b| a.0.cmp(&b.0));
+    Overrides(values)
+}
+
 /// Returns a list of names in words, of which only the first are written out.
 fn listed(names: &[String]) -> String {
     const WRITTEN: usize = 4;
@@ -85,7 +93,9 @@ impl App {
     pub(crate) fn edits(&self) -> Edits {
         let of_user = self.settings.iter().filter(|(side, ..)| *side != SideId::Reference);
         Edits {
-            settings: of_user.cloned().collect(),
+            settings: of_user
+                .map(|(side, name, overrides)| (*side, name.clone(), sorted(overrides)))
+                .collect(),
             camera: self.pilot.camera(),
             lights: self.pilot.lights.clone(),
             keys: self.scene_panel.edited_keys(),

@@ -14,6 +14,7 @@ mod camera;
 mod editor;
 mod edits;
 mod engine;
+mod history;
 mod leave;
 mod painter;
 mod palette;

@@ -71,9 +71,15 @@ impl Pilot {
         let share = begun.elapsed().as_secs_f32() / FLIGHT.as_secs_f32();
         self.take(engine, between(&from, &to, share.min(1.0)), false);
         if share < 1.0 {
+            // `take` ends a flight.
             self.flight = Some((begun, from, to));
         }
         share < 1.0
+    }
+
+    /// Returns whether the camera is on its way, by itself or by keys.
+    pub(crate) fn is_moving(&self) -> bool {
+        self.flight.is_some() || self.directions() != Vec3::ZERO
     }
 
     /// Gives the camera back to the scene.

@@ -4,7 +4,7 @@ use crate::action::{Action, View};
 use crate::app::App;
 use crate::engine::{Command, SideId};
 use crate::leave::Leave;
-use eframe::egui::{self, ComboBox, Slider, Ui};
+use eframe::egui::{self, Button, ComboBox, Slider, Ui};
 use frame_graph::Overrides;
 use renderer::Named;
 
@@ -45,6 +45,15 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
         }
         ui.separator();
         animation(app, ui);
+        for (action, word, what, key) in [
+            (Action::Undo, "Undo", app.history.last(&app.edits()), "Ctrl-Z"),
+            (Action::Redo, "Redo", app.history.next(&app.edits()), "Ctrl-Shift-Z"),
+        ] {
+            let button = ui.add_enabled(what.is_some(), Button::new(word));
+            if button.on_hover_text(format!("{key}: {}", what.unwrap_or_default())).clicked() {
+                app.act(action, &context);
+            }
+        }
         if ui.button("Keys").on_hover_text("F1").clicked() {
             app.act(Action::Help, &context);
         }

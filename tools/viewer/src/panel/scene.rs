@@ -35,6 +35,11 @@ impl ScenePanel {
         self.keys.clone()
     }
 
+    /// Edits these keys.
+    pub(crate) fn set_keys(&mut self, keys: Option<SceneKeys>) {
+        self.keys = keys;
+    }
+
     /// Returns whether there are keys that are not in the file.
     pub(crate) fn has_unsaved_keys(&self) -> bool {
         self.keys.as_ref().is_some_and(|keys| *keys != self.of_file)
