@@ -262,7 +262,7 @@ fn what_is_finished_does_not_run_again() {
     assert_eq!(grey.1.get(), runs);
 
     for (folder, part) in [(first, 1), (second, 2)] {
-        run_part(&grey, &case, folder, Some(Shard { part, parts: 2 }));
+        run_part(&grey, &case, folder, Some(Shard::Part { part, parts: 2 }));
     }
     study::merge(&[first.to_owned(), second.to_owned()], merged).unwrap();
     let runs = grey.1.get();

@@ -24,6 +24,8 @@ pub struct Edits {
     pub ms: Option<f64>,
     /// A quick preview: a quarter of each side, one seed, first and last value of each axis.
     pub quick: bool,
+    /// A run that shows what cells cost: one seed, first and last value of each axis, in frames of full size.
+    pub timing: bool,
 }
 
 impl Study {
@@ -34,6 +36,9 @@ impl Study {
     /// Contradictions after the change: for example a measure that needs more frames or seeds than there are
     /// now.
     pub fn edit(&mut self, edits: &Edits) -> Result<(), Diagnostics> {
+        if edits.quick || edits.timing {
+            self.thin_out();
+        }
         if edits.quick {
             self.shrink();
         }
@@ -72,19 +77,24 @@ impl Study {
         self.consistent()
     }
 
-    /// Reduces the study to a preview: a quarter of each side, as few seeds as the measures allow, first and
-    /// last value of each axis.
+    /// Reduces the frames of the study to a quarter of each side.
     fn shrink(&mut self) {
         let quarter = |(width, height): (u32, u32)| (width.div_ceil(4), height.div_ceil(4));
         self.size = quarter(self.size);
+        for axis in self.vary.iter_mut().flat_map(Group::axes_mut) {
+            for size in axis.values.iter_mut().filter_map(|at| Some((size_of(&at.value)?, at))) {
+                size.1.value = size_value(quarter(size.0));
+            }
+        }
+    }
+
+    /// Reduces the study to as few seeds as the measures allow, and to the first and last value of each axis.
+    fn thin_out(&mut self) {
         let over_seeds = self.measures.iter().any(|at| at.value.is_over_seeds());
         self.seeds.truncate(if over_seeds { 2 } else { 1 });
         for axis in self.vary.iter_mut().flat_map(Group::axes_mut) {
             if axis.values.len() > 2 {
                 axis.values.drain(1..axis.values.len() - 1);
-            }
-            for size in axis.values.iter_mut().filter_map(|at| Some((size_of(&at.value)?, at))) {
-                size.1.value = size_value(quarter(size.0));
             }
         }
     }

@@ -47,6 +47,20 @@ pub enum StudyError {
         /// The difference.
         reason: String,
     },
+    /// A shard of another plan.
+    #[error(
+        "the shard {shard} is of a study with {of} {what}, and this one has {found}: cut it again (`lightloom study FILE --snakefile`)"
+    )]
+    Shard {
+        /// Its text.
+        shard: String,
+        /// Cells or references.
+        what: &'static str,
+        /// The number that its study had.
+        of: usize,
+        /// The number that this one has.
+        found: usize,
+    },
 }
 
 /// The reason why something was not rendered or measured. It is recorded with the cell or reference; others still run.

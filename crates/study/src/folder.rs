@@ -11,7 +11,7 @@
 
 use crate::error::{StudyError, io};
 use crate::key;
-use crate::record::{Cell, Outcome, Results, StudyRecord};
+use crate::record::{Cell, Outcome, ReferenceRecord, Results, StudyRecord};
 use crate::reference::{self, Listed};
 use metrics::{Display, Image};
 use serde::de::DeserializeOwned;
@@ -190,6 +190,13 @@ pub(crate) fn read_study(folder: &Path) -> Result<(StudyRecord, Index), StudyErr
 }
 
 impl Results {
+    /// Reads the records of the references in the folder of a study.
+    pub(crate) fn references(folder: &Path) -> Result<Vec<ReferenceRecord>, StudyError> {
+        let (mut study, index) = read_study(folder)?;
+        reference::complete(&mut study.references, &index.references, folder);
+        Ok(study.references)
+    }
+
     /// Reads the results of a study from its folder: the cells that are there, in the order of the study. Of a cell that
     /// several adapters ran there is one row: a finished one, if possible of the adapter of the last run, or else of the one
     /// that ran the most. Measures over seeds are computed from the pictures.

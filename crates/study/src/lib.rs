@@ -3,6 +3,7 @@
 mod budget;
 mod claim;
 pub mod codes;
+mod cost;
 pub mod description;
 mod edit;
 mod error;
@@ -20,13 +21,14 @@ mod phase;
 mod plan;
 mod record;
 mod reference;
-mod remaining;
 mod report;
 mod run;
 mod seeds;
+mod shard;
 mod table;
 
 pub use claim::{Finding, Verdict};
+pub use cost::{Costs, UNKNOWN_SECONDS};
 pub use description::{Claim, Pick, Relation, Study, parse};
 pub use edit::Edits;
 pub use error::{Failure, StudyError};
@@ -43,5 +45,6 @@ pub use record::{
     Outcome, PassTime, PipelineRecord, ReferenceRecord, Results, SceneRecord, StudyRecord,
 };
 pub use report::{claims, report, report_with};
-pub use run::{Event, Ran, RunOptions, Shard, ShardError, name_of, run};
+pub use run::{Event, Ran, RunOptions, name_of, run};
+pub use shard::{Shard, ShardError};
 pub use table::write as write_tables;

@@ -1,6 +1,7 @@
 //! Runs the cells of a study that are not finished.
 
 use crate::budget::{Domain, search};
+use crate::cost::Costs;
 use crate::description::Budget;
 use crate::error::{Failure, StudyError};
 use crate::evaluator::{Evaluator, Measurements};
@@ -10,7 +11,7 @@ use crate::laboratory::{CellRun, Laboratory, Observed, RunRequest, Step};
 use crate::plan::{Plan, PlannedCell, Search};
 use crate::record::{AxisValue, Cell, Node, Outcome, Results, StudyRecord};
 use crate::reference::{Part, References, Truth};
-use crate::remaining::Remaining;
+use crate::shard::{Shard, Work};
 use metrics::statistics::median;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -21,43 +22,12 @@ use std::time::{Duration, Instant};
 pub struct RunOptions {
     /// The shard of the study to run, if not all of it.
     pub shard: Option<Shard>,
+    /// The expected costs of cells, by which a shard is cut.
+    pub costs: Costs,
     /// A folder in which references of other studies are looked up and stored.
     pub references: Option<PathBuf>,
     /// The command that started the run, for the record.
     pub command: String,
-}
-
-/// Shard `part` of `parts`: every n-th cell, with n = `parts`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shard {
-    /// The number of the shard, from 1.
-    pub part: u32,
-    /// At least `part`.
-    pub parts: u32,
-}
-
-impl Shard {
-    fn has(self, index: usize) -> bool {
-        index % self.parts as usize == self.part as usize - 1
-    }
-}
-
-/// A text that names no shard.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is not a shard: expected i/n with i from 1 to n, such as 2/8")]
-pub struct ShardError(String);
-
-impl std::str::FromStr for Shard {
-    type Err = ShardError;
-
-    fn from_str(text: &str) -> Result<Shard, ShardError> {
-        let pair =
-            text.split_once('/').and_then(|(part, parts)| Some((part.parse().ok()?, parts.parse().ok()?)));
-        match pair {
-            Some((part, parts)) if (1..=parts).contains(&part) => Ok(Shard { part, parts }),
-            _ => Err(ShardError(text.to_owned())),
-        }
-    }
 }
 
 /// Progress of a running study.
@@ -129,6 +99,10 @@ pub fn run(
     options: &RunOptions,
     report: &mut dyn FnMut(Event<'_>),
 ) -> Result<Ran, StudyError> {
+    let work = match &options.shard {
+        Some(shard) => shard.work(plan, &options.costs)?,
+        None => Work { cells: 0..plan.cells.len(), references: 0..0 },
+    };
     // A job that its batch system has given up may still run beside the one that takes its place.
     let sharing = if options.shard.is_some() { Sharing::Shared } else { Sharing::Alone };
     let folder = Folder::open(folder, sharing)?;
@@ -139,14 +113,12 @@ pub fn run(
     let index = Index { cells: session.contents(), references: session.references.listed() };
     let adapter = session.lab.adapter();
     let keys: Vec<String> = index.cells.iter().map(|content| key::on_adapter(content, &adapter)).collect();
-    let mine: Vec<usize> =
-        (0..plan.cells.len()).filter(|index| options.shard.is_none_or(|shard| shard.has(*index))).collect();
-    let mut remaining = Remaining::default();
+    let mut costs = options.costs.clone();
     let mut open = Vec::new();
-    for cell in &mine {
-        match session.finished(&keys[*cell]) {
-            Some(kept) => session.remember(*cell, &kept, &mut remaining),
-            None => open.push(*cell),
+    for cell in work.cells.clone() {
+        match session.finished(&keys[cell]) {
+            Some(kept) => session.remember(cell, &kept, &mut costs),
+            None => open.push(cell),
         }
     }
     // All cells of one seed, then those of the next: what slows the machine for minutes then differs between the
@@ -154,8 +126,12 @@ pub fn run(
     open.sort_by_key(|cell| plan.study.seeds.iter().position(|seed| *seed == plan.cells[*cell].request.seed));
     let record = session.record(options);
     session.folder.write_study(&record, &index)?;
-    let finished = mine.len() - open.len();
-    report(Event::Begin { cells: mine.len(), finished, stale: session.folder.stale(&index) });
+    let finished = work.cells.len() - open.len();
+    report(Event::Begin { cells: work.cells.len(), finished, stale: session.folder.stale(&index) });
+    for reference in work.references {
+        // A failure is reported; the cells that need it record it.
+        let _ = session.truth(reference, report)?;
+    }
     let (mut failed, mut run) = (0, 0);
     for (place, cell) in open.iter().enumerate() {
         // Another process may have finished it in the meantime.
@@ -169,18 +145,15 @@ pub fn run(
             }
         };
         failed += usize::from(cell.outcome != Outcome::Done);
-        remaining.add(&cell);
-        let rest = open[place + 1..].iter().map(|index| &plan.cells[*index]);
-        let left = remaining.estimate(rest.map(|cell| {
-            (plan.study.scenes[cell.scene].value.as_str(), plan.pipelines[cell.pipeline].name.as_str())
-        }));
+        costs.add(&cell);
+        let left = costs.estimate(open[place + 1..].iter().map(|index| plan.kind(&plan.cells[*index])));
         let left = left.saturating_add(session.references.left());
         report(Event::Ended { cell: &cell, ended: finished + place + 1, left });
     }
     let record = StudyRecord { started: record.started, ..session.record(options) };
     session.folder.write_study(&record, &index)?;
     let results = if options.shard.is_some() {
-        let own = mine.iter().filter_map(|cell| session.folder.cell(&keys[*cell])).collect();
+        let own = work.cells.filter_map(|cell| session.folder.cell(&keys[cell])).collect();
         Results { study: record, cells: own }
     } else {
         let results = Results::read(&session.folder.path)?;
@@ -264,8 +237,8 @@ impl Session<'_> {
     }
 
     /// Takes over what is known from a finished cell.
-    fn remember(&mut self, index: usize, kept: &Cell, remaining: &mut Remaining) {
-        remaining.add(kept);
+    fn remember(&mut self, index: usize, kept: &Cell, costs: &mut Costs) {
+        costs.add(kept);
         let planned = &self.plan.cells[index];
         if let Some(search) = &planned.search
             && let Some(value) = kept.chosen.get(&search.path)

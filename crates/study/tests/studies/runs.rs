@@ -161,7 +161,7 @@ fn parts_join_to_the_whole() {
     let mut references = 0;
     for part in 1..=2 {
         let options = RunOptions {
-            shard: Some(Shard { part, parts: 2 }),
+            shard: Some(Shard::Part { part, parts: 2 }),
             references: Some(shared.clone()),
             ..RunOptions::default()
         };
@@ -187,7 +187,7 @@ fn a_reference_that_failed_in_one_part_is_taken_from_another() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     for (part, no_truth) in [(1, true), (2, false)] {
-        let options = RunOptions { shard: Some(Shard { part, parts: 2 }), ..RunOptions::default() };
+        let options = RunOptions { shard: Some(Shard::Part { part, parts: 2 }), ..RunOptions::default() };
         told(&plan, &mut Fake { no_truth, ..Fake::default() }, &at(&format!("part-{part}")), &options);
     }
     for (first, second) in [("part-1", "part-2"), ("part-2", "part-1")] {
@@ -256,7 +256,7 @@ fn rows_of_other_plans_and_versions_are_refused_by_name() {
 fn a_cell_that_ran_twice_leaves_one_row() {
     let folder = tempfile::tempdir().unwrap();
     let plan = plan(study(SWEEP));
-    let options = RunOptions { shard: Some(Shard { part: 1, parts: 1 }), ..RunOptions::default() };
+    let options = RunOptions { shard: Some(Shard::Part { part: 1, parts: 1 }), ..RunOptions::default() };
     let (mut one, mut other) = (Fake::default(), Fake::default());
     let mut begun = false;
     let ran = study::run(&plan, &mut one, folder.path(), &options, &mut |event| {
@@ -279,7 +279,7 @@ fn a_cell_that_ran_twice_leaves_one_row() {
 fn a_shard_works_beside_others() {
     let folder = tempfile::tempdir().unwrap();
     let plan = plan(study(SWEEP));
-    let options = RunOptions { shard: Some(Shard { part: 1, parts: 2 }), ..RunOptions::default() };
+    let options = RunOptions { shard: Some(Shard::Part { part: 1, parts: 2 }), ..RunOptions::default() };
     let mut tries = Vec::new();
     let ran = study::run(&plan, &mut Fake::default(), folder.path(), &RunOptions::default(), &mut |event| {
         if matches!(event, study::Event::Begin { .. }) {
@@ -301,7 +301,7 @@ fn shards_of_several_adapters_are_joined() {
     let mut labs = [Fake::default(), Fake { adapter: Some(("abacus", 3.0)), ..Fake::default() }];
     for (part, lab) in (1..).zip(&mut labs) {
         let options = RunOptions {
-            shard: Some(Shard { part, parts: 2 }),
+            shard: Some(Shard::Part { part, parts: 2 }),
             references: Some(at("shared")),
             ..RunOptions::default()
         };
@@ -320,11 +320,82 @@ fn shards_of_several_adapters_are_joined() {
     assert_eq!(fs::read_dir(at("all/cells")).unwrap().count(), 9);
 }
 
+/// Records of a run say what cells cost, and shards are alike by that, not by their number of cells.
 #[test]
-fn shards_are_read_strictly() {
-    assert_eq!("2/8".parse(), Ok(Shard { part: 2, parts: 8 }));
-    for wrong in ["0/2", "3/2", "1", "a/b", "1/0", "-1/2"] {
-        assert!(wrong.parse::<Shard>().unwrap_err().to_string().contains("i/n"), "{wrong}");
+fn shards_are_cut_by_cost() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let text = "Study(scenes: [\"box\"], pipelines: [\"fast\", \"exact\"], size: (8, 4), seeds: 4, measures: [\"rmse\"],
+        vary: Grid({ \"lights\": [16, 64, 256] }), reference: Pipeline(pipeline: \"truth\"))";
+    // A run of one seed, with the ends of the axis.
+    let mut timing = parse(text);
+    timing.edit(&study::Edits { timing: true, ..Default::default() }).unwrap();
+    run(&plan(timing), &mut Fake::default(), &at("timing")).unwrap();
+    let mut rows = 0;
+    for entry in fs::read_dir(at("timing/cells")).unwrap().flatten() {
+        // The cells of `exact` took nine times as long.
+        let mut row: serde_json::Value = serde_json::from_slice(&fs::read(entry.path()).unwrap()).unwrap();
+        row["seconds"] = (if row["pipeline"] == "exact" { 90.0 } else { 10.0 }).into();
+        fs::write(entry.path(), row.to_string()).unwrap();
+        rows += 1;
+    }
+    assert_eq!(rows, 4, "two pipelines at both ends");
+    let costs = study::Costs::read(&at("timing")).unwrap();
+    assert_eq!(costs.cell_count(), 4);
+    let plan = plan(parse(text));
+    // 12 cells of 10 seconds and 12 of 90: 20 minutes are one shard, and so are as many cells of which nothing is known.
+    assert_eq!(costs.of_cells(&plan).iter().sum::<f64>(), 1200.0);
+    assert_eq!(plan.shards(&costs), [0..24]);
+    let mut counts = Vec::new();
+    for part in 1..=2 {
+        let options = RunOptions {
+            shard: Some(Shard::Part { part, parts: 2 }),
+            costs: costs.clone(),
+            ..RunOptions::default()
+        };
+        let mut lab = Fake::default();
+        counts.push(study::run(&plan, &mut lab, &at("all"), &options, &mut |_| {}).unwrap().run);
+    }
+    assert_eq!(counts, [17, 7], "12 · 10 + 5 · 90 = 570 s, and 7 · 90 = 630 s");
+    assert_eq!(study::merge(&[at("all")], &at("all")).unwrap().results.cells.len(), 24);
+    assert!(study::Costs::read(&at("nowhere")).unwrap_err().to_string().contains("there is no study here"));
+}
+
+/// What a Snakefile has: references by one job, cells by others.
+#[test]
+fn references_are_rendered_apart() {
+    let folder = tempfile::tempdir().unwrap();
+    let sizes = "vary: Grid({ \"size\": [(8, 4), (4, 4)] }), seeds: 2, measures: [\"rmse\"],
+        reference: Pipeline(pipeline: \"truth\")";
+    let plan = plan(study(sizes));
+    let run = |shard: &str| {
+        let mut lab = Fake::default();
+        let options = RunOptions { shard: Some(shard.parse().unwrap()), ..RunOptions::default() };
+        study::run(&plan, &mut lab, folder.path(), &options, &mut |_| {}).map(|ran| {
+            let references = lab.ran.iter().filter(|request| request.pipeline == "truth").count();
+            (references, ran.run)
+        })
+    };
+    assert_eq!(run("references:2-2/2").unwrap(), (1, 0));
+    assert_eq!(run("references").unwrap(), (1, 0), "the other was rendered");
+    assert_eq!(run("cells:2-4/4").unwrap(), (0, 3));
+    assert_eq!(run("cells:1-1/4").unwrap(), (0, 1));
+    let error = run("cells:1-6/6").unwrap_err().to_string();
+    assert!(error.contains("with 6 cells, and this one has 4"), "{error}");
+    let results = study::merge(&[folder.path().to_owned()], folder.path()).unwrap().results;
+    assert_eq!((results.cells.len(), results.study.references.len()), (4, 2));
+}
+
+/// The seeds of a combination share the lights that meet a time, and so one shard searches for them.
+#[test]
+fn seeds_that_share_a_value_are_not_cut() {
+    let fields = "vary: Grid({ \"map\": [32, 64] }), seeds: 3, measures: [\"gpu-ms\"], budget: Time(ms: 3.0, by: \"lights\")";
+    let plan = plan(study(fields));
+    let folder = tempfile::tempdir().unwrap();
+    for part in 1..=6 {
+        let options = RunOptions { shard: Some(Shard::Part { part, parts: 6 }), ..RunOptions::default() };
+        let ran = study::run(&plan, &mut Fake::default(), folder.path(), &options, &mut |_| {}).unwrap();
+        assert!([0, 3].contains(&ran.run), "{part}: {}", ran.run);
     }
 }
 
@@ -404,7 +475,7 @@ fn references_of_every_size_are_joined() {
     let at = |name: &str| folder.path().join(name);
     let sizes = "vary: Grid({ \"size\": [(8, 4), (4, 4)] }), measures: [\"rmse\"], reference: Pipeline(pipeline: \"truth\")";
     for part in 1..=2 {
-        let options = RunOptions { shard: Some(Shard { part, parts: 2 }), ..RunOptions::default() };
+        let options = RunOptions { shard: Some(Shard::Part { part, parts: 2 }), ..RunOptions::default() };
         told(&plan(study(sizes)), &mut Fake::default(), &at(&part.to_string()), &options);
     }
     let merged = study::merge(&[at("1"), at("2")], &at("all")).unwrap().results;

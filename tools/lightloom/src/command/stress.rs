@@ -89,7 +89,12 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         set_reference: vec![("filter".to_owned(), "centre".to_owned())],
         samples: args.samples,
         limit: Duration::from_secs(args.limit),
-        study: RunOptions { shard: args.shard, references: args.references.clone(), command },
+        study: RunOptions {
+            shard: args.shard.clone(),
+            references: args.references.clone(),
+            command,
+            ..RunOptions::default()
+        },
     };
     let root = context.catalog.assets().root().map(|root| root.display().to_string());
     let child = Child {

@@ -17,7 +17,7 @@ use renderer::Gpu;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use study::{AxisValue, Edits, Outcome, Plan, Ran, Results, RunOptions, Shard, Verdict};
+use study::{AxisValue, Costs, Edits, Outcome, Plan, Ran, Results, RunOptions, Shard, Verdict};
 use warnings::warnings;
 pub(crate) use warnings::{MOST_RUNS, without_effect};
 
@@ -29,8 +29,9 @@ pub(crate) use warnings::{MOST_RUNS, without_effect};
 #[command(after_help = "Examples:
   lightloom study speed-against-accuracy -o out/speed
   lightloom study my.ron -o out/my --quick
-  lightloom study ism-fig-4 -o out/part-2 --shard 2/8 --references out/references
-  lightloom study merge out/part-* -o out/ism-fig-4
+  lightloom study ism-fig-4 -o out/timing --timing
+  lightloom study ism-fig-4 -o out/ism-fig-4 --shard 2/8 --costs out/timing
+  lightloom study merge out/ism-fig-4 -o out/ism-fig-4
   lightloom study publish out/ism-fig-4")]
 pub(crate) struct Args {
     #[command(subcommand)]
@@ -41,9 +42,13 @@ pub(crate) struct Args {
     /// The folder for cells, pictures, tables and the report
     #[arg(short, long = "out", value_name = "DIR", required = true)]
     out: Option<PathBuf>,
-    /// Run shard i of n, into the folder of all or one of its own; `merge` joins shards
+    /// Run shard i of n, cut by expected cost, into the folder of all or one of its own; `merge` joins shards. Also
+    /// `references`, or places as a Snakefile has them
     #[arg(long, value_name = "i/n")]
     shard: Option<Shard>,
+    /// The folder of a run that has the costs of cells, by which shards are cut; without it, cells count alike
+    #[arg(long, value_name = "DIR")]
+    costs: Option<PathBuf>,
     /// A folder for references, shared with other studies and shards
     #[arg(long, value_name = "DIR")]
     references: Option<PathBuf>,
@@ -72,6 +77,10 @@ pub(crate) struct Args {
     /// A quick preview: a quarter of each side, one seed, first and last value of each axis
     #[arg(long)]
     quick: bool,
+    /// A run that shows what cells cost, for --costs: one seed, first and last value of each axis. Its cells are cells of
+    /// the study
+    #[arg(long)]
+    timing: bool,
 }
 
 #[derive(clap::Subcommand)]
@@ -152,14 +161,19 @@ fn run_study(context: &Context, args: &Args, file: &str, out: &Path) -> Result<(
         frames: args.frames,
         ms: args.ms,
         quick: args.quick,
+        timing: args.timing,
     };
     let mut study = study::parse(source(context, file)?)?;
     study.edit(&edits)?;
     let plan = Plan::new(study, &CatalogRegistry::new(Arc::clone(&context.catalog)))?;
     warn(&warnings(context, &plan), context.json);
     let mut lab = GpuLaboratory::new(Arc::clone(&context.catalog), Gpu::open()?);
-    let options =
-        RunOptions { shard: args.shard, references: args.references.clone(), command: command(args, file) };
+    let options = RunOptions {
+        shard: args.shard.clone(),
+        costs: costs(args, out)?,
+        references: args.references.clone(),
+        command: command(args, file),
+    };
     let mut progress = Progress::new();
     let ran = study::run(&plan, &mut lab, out, &options, &mut |event| progress.report(event));
     progress.finish();
@@ -174,6 +188,20 @@ fn run_study(context: &Context, args: &Args, file: &str, out: &Path) -> Result<(
         bail!("{}", failed(ran.failed));
     }
     Ok(())
+}
+
+/// Reads the costs of cells. Shards that are cut by them must all find the same, so they cannot be in the folder that the
+/// shards write into.
+fn costs(args: &Args, out: &Path) -> Result<Costs> {
+    let Some(folder) = &args.costs else { return Ok(Costs::default()) };
+    let is_same = folder.canonicalize().ok().is_some_and(|folder| out.canonicalize().ok() == Some(folder));
+    if is_same && matches!(args.shard, Some(Shard::Part { .. })) {
+        bail!(
+            "--costs {} is the folder that the shards write into, so each would cut others: give a copy, or the folder of a --timing run",
+            folder.display()
+        );
+    }
+    Ok(Costs::read(folder)?)
 }
 
 /// Returns the message at the end of a run with failed cells.
@@ -223,6 +251,7 @@ fn command(args: &Args, file: &str) -> String {
     words.extend(args.frames.map(|frames| format!("--frames {frames}")));
     words.extend(args.ms.map(|ms| format!("--ms {ms}")));
     words.extend(args.quick.then(|| "--quick".to_owned()));
+    words.extend(args.timing.then(|| "--timing".to_owned()));
     words.push("-o DIR".to_owned());
     words.join(" ")
 }
