@@ -149,6 +149,7 @@ impl App {
     /// Starts the engine and shows what it publishes.
     pub(crate) fn new(context: &Context, start: Start, remembered: Remembered) -> App {
         context.set_fonts(fonts());
+        crate::theme::install(context);
         let repaint = context.clone();
         let catalog = Arc::clone(&start.catalog);
         let library = panel::library::Library::load(Arc::clone(&catalog), context.clone());

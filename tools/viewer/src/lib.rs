@@ -24,6 +24,7 @@ mod terminal;
 #[cfg(test)]
 mod tests;
 mod textures;
+mod theme;
 mod viewport;
 
 use app::{App, Remembered};

@@ -14,6 +14,18 @@ use frame_graph::plan::{BoxKind, Drawing, DrawnBox, PlanId};
 /// The scale of the drawing at first.
 const READABLE: f32 = 0.6;
 
+/// The ink of text on boxes: of the dark theme and of the light one.
+pub(crate) const INK: [Color32; 2] = [Color32::from_gray(240), Color32::from_gray(20)];
+
+/// The colors of boxes: of the dark theme and of the light one.
+pub(crate) const FILLS: [(&str, [Color32; 2]); 5] = [
+    ("a pass that ran", [Color32::from_rgb(28, 78, 118), Color32::from_rgb(190, 220, 245)]),
+    ("a pass that did not run", [Color32::from_rgb(58, 66, 74), Color32::from_rgb(215, 222, 228)]),
+    ("a culled pass", [Color32::from_gray(44), Color32::from_gray(170)]),
+    ("a pass that is off", [Color32::from_rgb(92, 68, 24), Color32::from_rgb(247, 227, 192)]),
+    ("an output", [Color32::from_rgb(34, 84, 44), Color32::from_rgb(205, 235, 200)]),
+];
+
 /// The state of the panel.
 pub(crate) struct Graph {
     side: SideId,
@@ -70,7 +82,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
             let response = ui.interact(rect, ui.scope_id().with(i), Sense::click());
             response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, drawn.name.as_str()));
             let hot = response.hovered() || response.has_focus();
-            one_box(&painter, drawn, &side, rect, hot);
+            one_box(&painter, drawn, &side, rect, (hot, ui.visuals().dark_mode));
             if response.on_hover_text(&drawn.title).clicked() {
                 clicked = Some((drawn.kind, drawn.name.to_string()));
             }
@@ -105,22 +117,23 @@ fn edges(painter: &Painter, drawing: &Drawing, origin: Vec2, color: Color32) {
     }
 }
 
-fn one_box(painter: &Painter, drawn: &DrawnBox, side: &SideView, rect: Rect, hot: bool) {
+fn one_box(painter: &Painter, drawn: &DrawnBox, side: &SideView, rect: Rect, (hot, dark): (bool, bool)) {
     let pass = match drawn.kind {
         BoxKind::Pass(id) => Some(id.0 as usize),
         _ => None,
     };
     let ran = pass.is_some_and(|pass| side.ran.get(pass) == Some(&true));
     let fill = match drawn.kind {
-        BoxKind::Pass(_) if ran => Color32::from_rgb(190, 220, 245),
-        BoxKind::Pass(_) => Color32::from_rgb(215, 222, 228),
-        BoxKind::Culled => Color32::from_gray(170),
-        BoxKind::Off => Color32::from_rgb(247, 227, 192),
-        BoxKind::Output => Color32::from_rgb(205, 235, 200),
+        BoxKind::Pass(_) if ran => 0,
+        BoxKind::Pass(_) => 1,
+        BoxKind::Culled => 2,
+        BoxKind::Off => 3,
+        BoxKind::Output => 4,
     };
-    let stroke = Stroke::new(if hot { 2.5 } else { 1.0 }, Color32::from_gray(70));
+    let theme = usize::from(!dark);
+    let (fill, ink) = (FILLS[fill].1[theme], INK[theme]);
+    let stroke = Stroke::new(if hot { 2.5 } else { 1.0 }, Color32::from_gray(120));
     painter.rect(rect, CornerRadius::same(4), fill, stroke, StrokeKind::Inside);
-    let ink = Color32::from_gray(20);
     let clip = painter.with_clip_rect(rect.shrink(3.0).intersect(painter.clip_rect()));
     for (i, line) in drawn.lines.iter().enumerate() {
         let at = rect.min + vec2(8.0, 6.0 + i as f32 * 17.0);
