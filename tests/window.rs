@@ -319,7 +319,7 @@ fn what_a_slider_found_is_saved_as_a_variant() {
     let first = viewer.rest("the first picture");
     // The settings begin under the name, the buttons and the filter; how far is a matter of fonts.
     let moved = (130..260).step_by(12).any(|y| {
-        viewer.window.drag((30, y), (14, y), 4, Button::Left);
+        viewer.window.drag((116, y), (98, y), 4, Button::Left);
         viewer.window.move_to(700, 200);
         picture(&viewer.rest("a row of the settings")) != picture(&first)
     });

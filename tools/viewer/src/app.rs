@@ -227,16 +227,21 @@ impl App {
         if !self.bare {
             Panel::top("bar").show(ui, |ui| panel::bar::show(self, ui));
             Panel::bottom("status").show(ui, |ui| panel::status::show(self, ui));
+            let room = ui.available_width();
+            let mut left = 0.0;
             if self.remembered.settings {
-                let panel = Panel::left("settings").default_size(290.0).size_range(180.0..=600.0);
-                panel.show(ui, |ui| {
+                let panel =
+                    Panel::left("settings").default_size(290.0).size_range(panel::settings_width(room));
+                let shown = panel.show(ui, |ui| {
                     // What is wider wraps: a panel that grew by itself would change the size of frames.
                     ui.set_max_width(ui.available_width());
                     panel::settings::show(self, ui);
                 });
+                left = shown.response.rect.width();
             }
             if self.remembered.panels {
-                let panel = Panel::right("panels").default_size(400.0).size_range(220.0..=1400.0);
+                let panel =
+                    Panel::right("panels").default_size(400.0).size_range(panel::panels_width(room, left));
                 panel.show(ui, |ui| {
                     // What does not wrap is scrolled to.
                     let width = ui.available_width();

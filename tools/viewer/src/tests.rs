@@ -1,6 +1,7 @@
 //! The interface by its accessibility tree: what is there has a name, and can be reached by the keyboard.
 
 mod history;
+mod layout;
 mod leave;
 
 use crate::action::{Action, Tab, View};

@@ -4,6 +4,7 @@ use crate::action::{Action, View};
 use crate::app::App;
 use crate::engine::{Command, SideId};
 use crate::leave::Leave;
+use crate::panel::labelled;
 use eframe::egui::{self, Button, ComboBox, Slider, Ui};
 use frame_graph::Overrides;
 use renderer::Named;
@@ -37,10 +38,14 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
         }
         if app.now.sides.len() > 1 {
             let view = app.remembered.view;
-            ComboBox::from_label("View").selected_text(view.name()).show_ui(ui, |ui| {
-                for view in View::ALL {
-                    ui.selectable_value(&mut app.remembered.view, *view, view.name());
-                }
+            labelled(ui, "View", |ui| {
+                let list = ComboBox::from_id_salt("view").selected_text(view.name());
+                let list = list.show_ui(ui, |ui| {
+                    for view in View::ALL {
+                        ui.selectable_value(&mut app.remembered.view, *view, view.name());
+                    }
+                });
+                list.response
             });
         }
         ui.separator();
@@ -67,8 +72,10 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
 fn choose(ui: &mut Ui, label: &str, now: &str, all: &[Named], none: Option<&str>) -> Option<String> {
     let mut chosen = None;
     let shown = if now.is_empty() { none.unwrap_or_default() } else { now };
-    let list = ComboBox::from_label(label).selected_text(shown).height(480.0).width(150.0);
-    list.show_ui(ui, |ui| {
+    let width = if ui.ctx().content_rect().width() < 1000.0 { 100.0 } else { 150.0 };
+    let list = ComboBox::from_id_salt(label).selected_text(shown).height(480.0).width(width).truncate();
+    let name = ui.label(label);
+    let list = list.show_ui(ui, |ui| {
         ui.set_min_width(260.0);
         if let Some(none) = none
             && ui.selectable_label(now.is_empty(), none).clicked()
@@ -82,6 +89,7 @@ fn choose(ui: &mut Ui, label: &str, now: &str, all: &[Named], none: Option<&str>
             }
         }
     });
+    list.response.labelled_by(name.id);
     chosen
 }
 
@@ -91,6 +99,10 @@ fn animation(app: &mut App, ui: &mut Ui) {
         return;
     }
     let context = ui.ctx().clone();
+    // A slider does not wrap by itself.
+    if ui.available_size_before_wrap().x < 290.0 {
+        ui.end_row();
+    }
     let word = if app.now.playing { "Stop" } else { "Play" };
     if ui.button(word).on_hover_text("P").clicked() {
         app.act(Action::Play, &context);
@@ -100,7 +112,7 @@ fn animation(app: &mut App, ui: &mut Ui) {
     ui.spacing_mut().slider_width = 130.0;
     // Written with two decimals, but not rounded to them: while it plays that would be a change by the user.
     let slider = Slider::new(&mut time, 0.0..=duration).custom_formatter(|time, _| format!("{time:.2} s"));
-    let response = ui.add(slider.text("Time")).on_hover_text("Time of the animation");
+    let response = labelled(ui, "Time", |ui| ui.add(slider)).on_hover_text("Time of the animation");
     if response.changed() && time != before {
         app.engine.send(Command::Play(false));
         app.go_to_time(time);

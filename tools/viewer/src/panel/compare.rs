@@ -4,6 +4,7 @@ use crate::action::{Action, View};
 use crate::app::App;
 use crate::engine::SideId;
 use crate::leave::Leave;
+use crate::panel::labelled;
 use eframe::egui::{Grid, Slider, Ui};
 
 pub(crate) fn show(app: &mut App, ui: &mut Ui) {
@@ -40,11 +41,12 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     });
     match app.remembered.view {
         View::Difference => {
-            let gain = Slider::new(&mut app.remembered.gain, 0.1..=1000.0).logarithmic(true).text("Factor");
-            ui.add(gain);
+            let gain = Slider::new(&mut app.remembered.gain, 0.1..=1000.0).logarithmic(true);
+            ui.horizontal(|ui| labelled(ui, "Factor", |ui| ui.add(gain)));
         }
         View::Split => {
-            ui.add(Slider::new(&mut app.remembered.split, 0.0..=1.0).text("Split"));
+            let split = Slider::new(&mut app.remembered.split, 0.0..=1.0);
+            ui.horizontal(|ui| labelled(ui, "Split", |ui| ui.add(split)));
         }
         View::Flicker => {
             ui.weak("Space changes between A and B.");

@@ -2,8 +2,9 @@
 
 use crate::action::Action;
 use crate::app::App;
+use crate::edits::counted;
 use crate::engine::Published;
-use eframe::egui::{DragValue, Grid, Response, ScrollArea, Slider, Ui};
+use eframe::egui::{DragValue, Grid, Id, Response, ScrollArea, Slider, Ui};
 use glam::{DVec3, Vec3};
 use scene::{Camera, CameraKey, Light, LightKey, LightKind, SceneEdit, SceneKeys};
 
@@ -134,7 +135,8 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     let Some(view) = app.now.scene.clone() else { return };
     ui.strong(&view.scene.name);
     ui.label(&view.scene.about);
-    ui.weak(format!("{} triangles, {} lights", view.scene.triangles(), view.scene.lights.len()));
+    let (triangles, count) = (view.scene.triangles(), view.scene.lights.len());
+    ui.weak(format!("{}, {}", counted(triangles, "triangle"), counted(count, "light")));
     ui.horizontal_wrapped(|ui| {
         if ui.button("Save into the scene's file").on_hover_text("Ctrl-E").clicked() {
             app.act(Action::SaveScene, &context);
@@ -167,11 +169,12 @@ fn camera(app: &mut App, ui: &mut Ui) {
     });
     Grid::new("camera").num_columns(2).show(ui, |ui| {
         let speed = 0.01 * (before.position - before.target).length().max(1e-3);
-        row(ui, "position", |ui| place(ui, "Camera position", &mut camera.position, origin, speed));
-        row(ui, "target", |ui| place(ui, "Camera target", &mut camera.target, origin, speed));
-        row(ui, "field of view", |ui| {
+        row(ui, "position", |ui, _| place(ui, "Camera position", &mut camera.position, origin, speed));
+        row(ui, "target", |ui, _| place(ui, "Camera target", &mut camera.target, origin, speed));
+        row(ui, "vertical angle", |ui, label| {
             let mut degrees = camera.vertical_fov.to_degrees();
-            if ui.add(Slider::new(&mut degrees, 5.0..=150.0).suffix("°").text("high")).changed() {
+            let slider = Slider::new(&mut degrees, 5.0..=150.0).suffix("°");
+            if ui.add(slider).labelled_by(label).changed() {
                 camera.vertical_fov = degrees.to_radians();
             }
         });
@@ -235,12 +238,12 @@ fn one_light(ui: &mut Ui, light: &mut Light, origin: DVec3, extent: f32) {
     let name = light.name.clone();
     Grid::new("light").num_columns(2).show(ui, |ui| {
         if light.kind != LightKind::Directional {
-            row(ui, "position", |ui| {
+            row(ui, "position", |ui, _| {
                 place(ui, &format!("Position of {name}"), &mut light.position, origin, 0.003 * extent);
             });
         }
         if light.kind != LightKind::Point {
-            row(ui, "direction", |ui| {
+            row(ui, "direction", |ui, _| {
                 let mut direction = light.direction;
                 vector(ui, &format!("Direction of {name}"), &mut direction, 0.01);
                 if direction != light.direction {
@@ -248,15 +251,16 @@ fn one_light(ui: &mut Ui, light: &mut Light, origin: DVec3, extent: f32) {
                 }
             });
         }
-        row(ui, "intensity", |ui| {
+        row(ui, "intensity", |ui, _| {
             let speed = 0.01 * light.intensity.max_element().max(1e-3);
             vector(ui, &format!("Intensity of {name}"), &mut light.intensity, speed);
             light.intensity = light.intensity.max(Vec3::ZERO);
         });
         if let LightKind::Spot { inner, outer } = &mut light.kind {
-            row(ui, "cone", |ui| {
+            row(ui, "half angle", |ui, label| {
                 let mut degrees = outer.to_degrees();
-                if ui.add(Slider::new(&mut degrees, 1.0..=90.0).suffix("°").text("half")).changed() {
+                let slider = Slider::new(&mut degrees, 1.0..=90.0).suffix("°");
+                if ui.add(slider).labelled_by(label).changed() {
                     *outer = degrees.to_radians();
                     *inner = inner.min(*outer);
                 }
@@ -313,9 +317,10 @@ fn keys(app: &mut App, ui: &mut Ui) {
     }
 }
 
-fn row(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
-    ui.weak(name);
-    ui.horizontal(content);
+/// A row of a grid: a label, and what stands behind it.
+fn row(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui, Id)) {
+    let label = ui.weak(name).id;
+    ui.horizontal(|ui| content(ui, label));
     ui.end_row();
 }
 

@@ -4,8 +4,8 @@ use crate::action::Action;
 use crate::app::App;
 use crate::engine::SideId;
 use eframe::egui::{
-    self, Checkbox, CollapsingHeader, ComboBox, DragValue, RichText, ScrollArea, Slider, SliderClamping,
-    TextEdit, Ui,
+    self, Align, Checkbox, CollapsingHeader, ComboBox, DragValue, Label, Layout, Response, RichText,
+    ScrollArea, Slider, SliderClamping, TextEdit, Ui, vec2,
 };
 use frame_graph::resolve::Settable;
 use frame_graph::{Overrides, Setting, Value, ValueType};
@@ -134,9 +134,13 @@ fn control(app: &mut App, ui: &mut Ui, side: SideId, settable: &Settable, overri
     let changed = is_changed(overrides, &settable.path);
     let mut value = app.controls.shown(side, settable);
     let before = value.clone();
-    ui.horizontal_wrapped(|ui| {
+    let layout = Layout::left_to_right(Align::Center);
+    // Vectors alone are as wide as that.
+    let layout = layout.with_main_wrap(matches!(value, Value::Vector(_)));
+    let size = vec2(ui.available_width(), ui.spacing().interact_size.y);
+    ui.allocate_ui_with_layout(size, layout, |ui| {
         ui.push_id((side, &settable.path), |ui| {
-            edit(ui, &settable.path, setting, &mut value);
+            edit(ui, &settable.path, setting, &mut value, changed);
             // Behind the control, which must not move under the mouse.
             let about = format!("{}: back to what the file says", settable.path);
             if changed && ui.small_button("reset").on_hover_text(about).clicked() {
@@ -162,87 +166,95 @@ fn about(path: &str, setting: &Setting) -> String {
     text + &format!("\nDefault of the pass: {}", setting.default)
 }
 
-/// The control of a setting, by its type, range and choices.
-fn edit(ui: &mut Ui, path: &str, setting: &Setting, value: &mut Value) {
+/// The control of a setting behind its name, by its type, range and choices.
+fn edit(ui: &mut Ui, path: &str, setting: &Setting, value: &mut Value, changed: bool) {
     let name = path.rsplit('.').next().unwrap_or(path);
     let suffix = if setting.unit.is_empty() { String::new() } else { format!(" {}", setting.unit) };
     let hint = about(path, setting);
-    if !setting.one_of.is_empty() {
-        let list = ComboBox::from_label(name).selected_text(value.to_argument());
-        let response = list.show_ui(ui, |ui| {
-            for choice in &setting.one_of {
-                ui.selectable_value(value, choice.clone(), choice.to_argument());
-            }
-        });
-        response.response.on_hover_text(hint);
-        return;
-    }
+    let label = column(ui, name).on_hover_text(&hint);
+    // The rest is for the number and the way back.
+    let rest = if changed { 125.0 } else { 75.0 };
+    ui.spacing_mut().slider_width = (ui.available_width() - rest).clamp(20.0, 220.0);
     let range = (setting.min.unwrap_or(f64::NEG_INFINITY), setting.max.unwrap_or(f64::INFINITY));
-    match value {
-        Value::Bool(truth) => {
-            ui.add(Checkbox::new(truth, name)).on_hover_text(hint);
+    let response = match value {
+        _ if !setting.one_of.is_empty() => {
+            let list = ComboBox::from_id_salt(path).selected_text(value.to_argument());
+            let list = list.width((ui.available_width() - 55.0).clamp(40.0, 140.0)).truncate();
+            let list = list.show_ui(ui, |ui| {
+                for choice in &setting.one_of {
+                    ui.selectable_value(value, choice.clone(), choice.to_argument());
+                }
+            });
+            list.response
         }
+        Value::Bool(truth) => ui.add(Checkbox::without_text(truth)),
         Value::U32(number) => {
             let mut wide = f64::from(*number);
-            if drag(ui, name, &suffix, &hint, &mut wide, (range.0.max(0.0), range.1), true) {
+            let response = drag(ui, &suffix, &mut wide, (range.0.max(0.0), range.1), true);
+            if response.changed() {
                 *number = wide.round().clamp(0.0, f64::from(u32::MAX)) as u32;
             }
+            response
         }
         Value::I32(number) => {
             let mut wide = f64::from(*number);
-            if drag(ui, name, &suffix, &hint, &mut wide, range, true) {
+            let response = drag(ui, &suffix, &mut wide, range, true);
+            if response.changed() {
                 *number = wide.round().clamp(f64::from(i32::MIN), f64::from(i32::MAX)) as i32;
             }
+            response
         }
         Value::F32(number) => {
             let mut wide = f64::from(*number);
-            if drag(ui, name, &suffix, &hint, &mut wide, range, false) {
+            let response = drag(ui, &suffix, &mut wide, range, false);
+            if response.changed() {
                 *number = wide as f32;
             }
+            response
         }
         Value::Vector(numbers) => {
-            for (number, axis) in numbers.iter_mut().zip(["x", "y", "z", "w"]) {
+            let axes = numbers.iter_mut().zip(["x", "y", "z", "w"]);
+            let drags = axes.map(|(number, axis)| {
                 let drag = DragValue::new(number).speed(0.01).prefix(format!("{axis} ")).suffix(&suffix);
-                ui.add(drag).on_hover_text(&hint);
+                ui.add(drag).labelled_by(label.id)
+            });
+            match drags.reduce(|all, one| all | one) {
+                Some(response) => response,
+                None => return,
             }
-            ui.label(name).on_hover_text(hint);
         }
         Value::Text(text) => {
-            ui.add(TextEdit::singleline(text).desired_width(120.0));
-            ui.label(name).on_hover_text(hint);
+            ui.add(TextEdit::singleline(text).desired_width((ui.available_width() - 60.0).clamp(40.0, 160.0)))
         }
-    }
+    };
+    response.labelled_by(label.id).on_hover_text(hint);
     debug_assert!(matches!(setting.ty, ValueType::Vector(_)) || value.ty() == setting.ty, "{path}");
 }
 
+/// A name in a column of its own, so that controls begin below each other. A name that is too long is cut.
+fn column(ui: &mut Ui, name: &str) -> Response {
+    let size = vec2((ui.max_rect().width() * 0.38).clamp(60.0, 150.0), ui.spacing().interact_size.y);
+    let layout = Layout::left_to_right(Align::Center);
+    let column = ui.allocate_ui_with_layout(size, layout, |ui| {
+        ui.set_min_width(size.x);
+        ui.add(Label::new(name).truncate())
+    });
+    column.inner
+}
+
 /// A number: a slider where the range has two ends, else a field to drag.
-fn drag(
-    ui: &mut Ui,
-    name: &str,
-    suffix: &str,
-    hint: &str,
-    number: &mut f64,
-    (min, max): (f64, f64),
-    whole: bool,
-) -> bool {
-    let response = if min.is_finite() && max.is_finite() {
+fn drag(ui: &mut Ui, suffix: &str, number: &mut f64, (min, max): (f64, f64), whole: bool) -> Response {
+    if min.is_finite() && max.is_finite() {
         let least = if min > 0.0 { min } else { max * 1e-4 };
         let slider = Slider::new(number, min..=max)
             .suffix(suffix)
             .logarithmic(min >= 0.0 && max / least >= DECADES)
             .smallest_positive(if whole { 1.0 } else { least })
             .clamping(SliderClamping::Always);
-        ui.spacing_mut().slider_width = (ui.available_width() - 190.0).clamp(40.0, 220.0);
         ui.add(if whole { slider.integer() } else { slider.max_decimals(5) })
     } else {
         let speed = if whole { 0.2 } else { (number.abs() * 0.01).max(1e-3) };
         let field = DragValue::new(number).range(min..=max).speed(speed).suffix(suffix);
         ui.add(if whole { field.max_decimals(0) } else { field.max_decimals(6) })
-    };
-    let label = ui.label(name);
-    let response = response.labelled_by(label.id);
-    label.on_hover_text(hint);
-    let changed = response.changed();
-    response.on_hover_text(hint);
-    changed
+    }
 }

@@ -1,12 +1,16 @@
 //! The line at the bottom: how fast, how large, on what.
 
 use crate::app::App;
+use crate::edits::counted;
 use crate::engine::SideId;
-use eframe::egui::{ComboBox, Spinner, Ui};
+use eframe::egui::{ComboBox, Label, Spinner, Ui};
 
 /// Pixels of a frame per pixel of the screen that can be chosen.
 const RESOLUTIONS: [(f32, &str); 5] =
     [(0.0, "auto"), (1.0, "100 %"), (0.5, "50 %"), (0.25, "25 %"), (0.125, "12.5 %")];
+
+/// The window's width from which on the line has all that can be in it.
+const WIDE: f32 = 1200.0;
 
 impl App {
     /// Returns the pixels of a frame per pixel of the screen, in each direction.
@@ -39,7 +43,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
                 Some(progress) if !progress.is_done() => format!("step {} of {}", progress.step, progress.steps),
                 Some(_) => "converged".to_owned(),
                 _ if side.idle && others => "A is done, others go on".to_owned(),
-                None if side.idle => format!("idle after {} frames: nothing changes", side.frames),
+                None if side.idle => format!("idle after {}", counted(side.frames as usize, "frame")),
                 None => format!("{} frames/s", per_second(app.now.frames_per_second)),
             };
             if let Some(whole) = side.whole.last() {
@@ -62,13 +66,17 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
             ui.label(frame_graph::human_bytes(side.bytes)).on_hover_text("Memory of all objects of pipeline A on the device");
             ui.separator();
         }
-        ui.label(format!("interface {:.1} ms", app.interface_ms))
-            .on_hover_text("Mean time to lay out the interface itself; not part of the frame");
-        if let Some(ms) = app.now.reload_ms {
+        // The line is not wrapped: the picture would change its size with every word.
+        let wide = ui.ctx().content_rect().width() >= WIDE;
+        if wide {
+            ui.label(format!("interface {:.1} ms", app.interface_ms))
+                .on_hover_text("Mean time to lay out the interface itself; not part of the frame");
             ui.separator();
-            ui.label(format!("reload {ms:.0} ms")).on_hover_text("Time from the last save of a file to its picture");
         }
-        ui.separator();
-        ui.label(&app.now.adapter);
+        if let Some(ms) = app.now.reload_ms {
+            ui.label(format!("reload {ms:.0} ms")).on_hover_text("Time from the last save of a file to its picture");
+            ui.separator();
+        }
+        ui.add(Label::new(&app.now.adapter).truncate()).on_hover_text(&app.now.adapter);
     });
 }

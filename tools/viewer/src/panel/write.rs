@@ -2,7 +2,7 @@
 
 use crate::app::App;
 use crate::engine::{Command, Job, Published, SideId};
-use crate::panel::choose_side;
+use crate::panel::{choose_side, labelled};
 use eframe::egui::{DragValue, TextEdit, Ui};
 use std::path::{Path, PathBuf};
 
@@ -52,13 +52,14 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     );
     let field = |ui: &mut Ui, name: &str, text: &mut String| {
         ui.horizontal(|ui| {
-            let label = ui.label(name);
-            ui.add(TextEdit::singleline(text).desired_width(220.0)).labelled_by(label.id);
+            labelled(ui, name, |ui| ui.add(TextEdit::singleline(text).desired_width(f32::INFINITY)));
         });
     };
     field(ui, "Output or resource", &mut writing.output);
     field(ui, "File", &mut writing.path);
-    ui.add(DragValue::new(&mut writing.layer).range(0..=4095).prefix("layer "));
+    ui.horizontal(|ui| {
+        labelled(ui, "Layer", |ui| ui.add(DragValue::new(&mut writing.layer).range(0..=4095)));
+    });
     let (side, output, layer) = (writing.side, writing.output.trim().to_owned(), writing.layer);
     let mut job = None;
     ui.horizontal_wrapped(|ui| {
@@ -82,7 +83,9 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     ui.strong("The animation");
     ui.label("Frames from its start: pictures with #### for the number, or .mp4, .webm, .mkv by ffmpeg.");
     field(ui, "Files", &mut writing.sequence);
-    ui.add(DragValue::new(&mut writing.frames).range(1..=100_000).suffix(" frames"));
+    ui.horizontal(|ui| {
+        labelled(ui, "Frames", |ui| ui.add(DragValue::new(&mut writing.frames).range(1..=100_000)));
+    });
     if ui.button("Write the animation").clicked() {
         let path = PathBuf::from(writing.sequence.trim());
         let job = Job::Sequence { side: writing.side, path, frames: writing.frames };

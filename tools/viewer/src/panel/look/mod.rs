@@ -5,7 +5,7 @@ mod table;
 
 use crate::app::App;
 use crate::engine::{Look, Looked, Published, SideId};
-use crate::panel::choose_side;
+use crate::panel::{choose_side, labelled};
 use crate::textures::{Shown, Textures};
 use crate::viewport::WHOLE;
 use colors::{Channel, Coloring, Palette};
@@ -119,13 +119,16 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     ui.horizontal_wrapped(|ui| {
         choose_side(ui, &sides, &mut app.inspector.side);
         let mut name = app.inspector.name.clone();
-        let list = ComboBox::from_label("Resource").selected_text(&name).height(500.0);
-        let list = list.width((ui.available_width() - 80.0).clamp(80.0, 260.0)).truncate();
-        list.show_ui(ui, |ui| {
-            ui.set_min_width(300.0);
-            for known in names(&side.plan) {
-                ui.selectable_value(&mut name, known.clone(), known);
-            }
+        labelled(ui, "Resource", |ui| {
+            let list = ComboBox::from_id_salt("resource").selected_text(&name).height(500.0);
+            let list = list.width((ui.available_width() - 20.0).clamp(80.0, 260.0)).truncate();
+            let list = list.show_ui(ui, |ui| {
+                ui.set_min_width(300.0);
+                for known in names(&side.plan) {
+                    ui.selectable_value(&mut name, known.clone(), known);
+                }
+            });
+            list.response
         });
         if name != app.inspector.name {
             let side = app.inspector.side;
@@ -147,7 +150,8 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
         }
         ResourceDesc::Texture(texture) => {
             if texture.layers > 1 {
-                ui.add(Slider::new(&mut app.inspector.layer, 0..=texture.layers - 1).text("Layer"));
+                let layer = Slider::new(&mut app.inspector.layer, 0..=texture.layers - 1);
+                ui.horizontal(|ui| labelled(ui, "Layer", |ui| ui.add(layer)));
             }
             controls(&mut app.inspector, ui, texture.size);
             texture_picture(app, ui, &looked);
@@ -217,39 +221,47 @@ fn describe(desc: &ResourceDesc) -> String {
 fn controls(inspector: &mut Inspector, ui: &mut Ui, size: (u32, u32)) {
     let coloring = &mut inspector.coloring;
     ui.horizontal_wrapped(|ui| {
-        ComboBox::from_label("Channel").selected_text(coloring.channel.name()).width(70.0).show_ui(
-            ui,
-            |ui| {
+        labelled(ui, "Channel", |ui| {
+            let list = ComboBox::from_id_salt("channel").selected_text(coloring.channel.name()).width(70.0);
+            let list = list.show_ui(ui, |ui| {
                 for channel in Channel::ALL {
                     ui.selectable_value(&mut coloring.channel, *channel, channel.name());
                 }
-            },
-        );
-        ComboBox::from_label("Colors").selected_text(coloring.palette.name()).width(80.0).show_ui(ui, |ui| {
-            for palette in Palette::ALL {
-                ui.selectable_value(&mut coloring.palette, *palette, palette.name());
-            }
+            });
+            list.response
+        });
+        labelled(ui, "Colors", |ui| {
+            let list = ComboBox::from_id_salt("colors").selected_text(coloring.palette.name()).width(80.0);
+            let list = list.show_ui(ui, |ui| {
+                for palette in Palette::ALL {
+                    ui.selectable_value(&mut coloring.palette, *palette, palette.name());
+                }
+            });
+            list.response
         });
         ui.checkbox(&mut coloring.auto, "Fit range").on_hover_text("From the least to the greatest value");
     });
     // Sliders do not wrap with others in a row.
     if !coloring.auto {
-        ui.add(Slider::new(&mut coloring.exposure, -16.0..=16.0).text("Exposure").suffix(" EV"));
+        let exposure = Slider::new(&mut coloring.exposure, -16.0..=16.0).suffix(" EV");
+        ui.horizontal(|ui| labelled(ui, "Exposure", |ui| ui.add(exposure)));
     }
     if inspector.over_picture {
-        ui.add(Slider::new(&mut inspector.opacity, 0.0..=1.0).text("Opacity"));
+        let opacity = Slider::new(&mut inspector.opacity, 0.0..=1.0);
+        ui.horizontal(|ui| labelled(ui, "Opacity", |ui| ui.add(opacity)));
     }
     ui.horizontal_wrapped(|ui| {
         ui.checkbox(&mut inspector.over_picture, "Over the picture");
         let most = size.0.min(size.1);
-        let response =
-            ui.add(DragValue::new(&mut inspector.tile).range(0..=most).prefix("tile ").suffix(" px"));
+        let tile = DragValue::new(&mut inspector.tile).range(0..=most).suffix(" px");
+        let response = labelled(ui, "Tile", |ui| ui.add(tile));
         if response.on_hover_text("Side of a tile of an atlas; 0 shows the whole").changed() {
             inspector.seen = Rect::NOTHING;
         }
         let across = |side: u32| side.checked_div(inspector.tile).map(|tiles| tiles.max(1));
         if let Some(tiles) = across(size.0).zip(across(size.1)).map(|(x, y)| x * y)
-            && ui.add(DragValue::new(&mut inspector.index).range(0..=tiles - 1).prefix("number ")).changed()
+            && labelled(ui, "Number", |ui| ui.add(DragValue::new(&mut inspector.index).range(0..=tiles - 1)))
+                .changed()
         {
             inspector.seen = Rect::NOTHING;
         }

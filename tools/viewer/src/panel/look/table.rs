@@ -2,6 +2,7 @@
 
 use super::scroll;
 use crate::engine::{Looked, SideView};
+use crate::panel::labelled;
 use eframe::egui::{DragValue, Grid, RichText, Ui};
 use pass::layout_of;
 use shader_library::decode::{Cell, Number};
@@ -60,7 +61,7 @@ fn pages(ui: &mut Ui, rows: usize, first: &mut usize) {
         if ui.button("Back").clicked() {
             *first = first.saturating_sub(PAGE);
         }
-        ui.add(DragValue::new(first).range(0..=rows - 1).prefix("from row "));
+        labelled(ui, "From row", |ui| ui.add(DragValue::new(first).range(0..=rows - 1)));
         if ui.button("On").clicked() {
             *first = (*first + PAGE).min(rows - 1);
         }

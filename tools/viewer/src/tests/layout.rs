@@ -1,0 +1,81 @@
+//! Where things are: panels leave room for the picture, and labels stand before their fields.
+
+use super::{Window, pump, window};
+use crate::action::{Tab, View};
+use crate::engine::SideId;
+use eframe::egui::accessibility::is_input;
+use eframe::egui::{Rect, Role, vec2};
+use egui_kittest::kittest::{NodeT as _, Queryable as _};
+use frame_graph::Overrides;
+
+/// The controls and their places.
+fn controls(harness: &Window) -> Vec<(String, Rect)> {
+    let nodes = harness.root().children_recursive();
+    let inputs = nodes.filter(|node| {
+        let node = node.accesskit_node();
+        is_input(node.role()) && !node.is_hidden()
+    });
+    inputs
+        .map(|node| {
+            (
+                format!(
+                    "{:?} {}",
+                    node.accesskit_node().role(),
+                    node.accesskit_node().label().unwrap_or_default()
+                ),
+                node.rect(),
+            )
+        })
+        .collect()
+}
+
+#[test]
+fn panels_fit_into_a_small_window() {
+    let Some(mut harness) = window("ism-invtm", "cornell-box-moving") else { return };
+    let app = harness.state_mut();
+    app.open_pipeline(SideId::B, "ism-uniform", Overrides::default());
+    app.remembered.view = View::Split;
+    pump(&mut harness, |app| app.now.sides.len() == 2);
+    harness.set_size(vec2(900.0, 600.0));
+    for tab in Tab::ALL {
+        harness.state_mut().remembered.tab = *tab;
+        harness.run_steps(6);
+        let picture = harness.get_by_role_and_label(Role::Image, "Picture").rect();
+        assert!(picture.width() >= 350.0 && picture.height() >= 440.0, "{}: {picture}", tab.name());
+        if *tab == Tab::Graph {
+            // Its boxes lie where the drawing is scrolled to.
+            continue;
+        }
+        let mut cut = controls(&harness);
+        cut.retain(|(name, rect)| {
+            let of_settings =
+                rect.left() < picture.left() && rect.top() > picture.top() && !name.contains("Split");
+            rect.right() > 901.0 || of_settings && rect.right() > picture.left()
+        });
+        assert!(cut.is_empty(), "{}: not in the window: {cut:?}", tab.name());
+    }
+}
+
+#[test]
+fn labels_stand_before_their_fields() {
+    let Some(mut harness) = window("ism-invtm", "plane") else { return };
+    for tab in Tab::ALL {
+        harness.state_mut().remembered.tab = *tab;
+        harness.run_steps(4);
+        let mut seen = 0;
+        for node in harness.root().children_recursive() {
+            let field = node.accesskit_node();
+            // The text of a check box stands behind it, as everywhere.
+            if !is_input(field.role()) || field.role() == Role::CheckBox {
+                continue;
+            }
+            for label in field.labelled_by() {
+                let (label, field) = (label.bounding_box(), field.bounding_box());
+                let (Some(label), Some(field)) = (label, field) else { continue };
+                assert!(label.x0 < field.x0 || label.y1 <= field.y0, "{}: {label:?}, {field:?}", tab.name());
+                seen += 1;
+            }
+        }
+        assert!(seen > 5, "{}: {seen} labels", tab.name());
+    }
+}
