@@ -5,6 +5,7 @@
 mod accumulated;
 mod adapter;
 mod application;
+mod batch;
 mod bench;
 mod cli;
 mod clusters;

@@ -12,8 +12,8 @@ use std::time::Duration;
 /// Seconds of a cell or reference of which nothing is known.
 pub const UNKNOWN_SECONDS: f64 = 10.0;
 
-/// The expected time of a shard of a batch system.
-const SHARD_SECONDS: f64 = 20.0 * 60.0;
+/// The expected time of a shard of a batch system, in minutes.
+pub const SHARD_MINUTES: f64 = 20.0;
 
 /// What cells have in common: scene, pipeline and values; an empty text or `None` is any.
 type Like = (String, String, Option<String>);
@@ -123,17 +123,18 @@ fn alike((scene, pipeline, axes): Kind<'_>) -> [Like; 5] {
 }
 
 impl Plan {
-    /// Returns the shards of a batch system: consecutive cells of 20 minutes, of 10 to 30 where no cell takes more than 5 and
-    /// all together no less than 10. Where a budget of time searches for a value, the seeds that share it stay together.
-    pub fn shards(&self, costs: &Costs) -> Vec<Range<usize>> {
+    /// Returns the shards of a batch system: consecutive cells of about as many minutes. With [`SHARD_MINUTES`], each takes 10 to
+    /// 30 where no cell takes more than 5 and all together no less than 10. Where a budget of time searches for a value, the
+    /// seeds that share it stay together.
+    pub fn shards(&self, costs: &Costs, minutes: f64) -> Vec<Range<usize>> {
         let seconds = costs.of_cells(self);
-        cut(&seconds, &self.units(), parts_of(&seconds))
+        cut(&seconds, &self.units(), parts_of(&seconds, minutes))
     }
 
     /// Returns the same of the references.
-    pub fn reference_shards(&self, costs: &Costs) -> Vec<Range<usize>> {
+    pub fn reference_shards(&self, costs: &Costs, minutes: f64) -> Vec<Range<usize>> {
         let seconds = costs.of_references(self);
-        cut(&seconds, &singly(seconds.len()), parts_of(&seconds))
+        cut(&seconds, &singly(seconds.len()), parts_of(&seconds, minutes))
     }
 
     /// Returns the shards if there are to be `parts` of alike cost; some may be empty.
@@ -169,9 +170,10 @@ fn singly(count: usize) -> Vec<Range<usize>> {
     (0..count).map(|index| index..index + 1).collect()
 }
 
-/// Returns the number of shards of the time that a shard should take.
-fn parts_of(seconds: &[f64]) -> usize {
-    (seconds.iter().sum::<f64>() / SHARD_SECONDS).round().max(1.0) as usize
+/// Returns the number of shards of about as many minutes: no more than there are items.
+fn parts_of(seconds: &[f64], minutes: f64) -> usize {
+    let parts = (seconds.iter().sum::<f64>() / (60.0 * minutes)).round() as usize;
+    parts.clamp(1, seconds.len().max(1))
 }
 
 /// Cuts units of consecutive items into `parts` ranges of items, each with the units whose middle lies in its share of all
@@ -250,7 +252,7 @@ mod tests {
         /// Where cells take at most 5 minutes, shards take 10 to 30.
         #[test]
         fn shards_take_ten_to_thirty_minutes(seconds in prop::collection::vec(1.0_f64..300.0, 600..700)) {
-            for range in cut(&seconds, &singly(seconds.len()), parts_of(&seconds)) {
+            for range in cut(&seconds, &singly(seconds.len()), parts_of(&seconds, SHARD_MINUTES)) {
                 let minutes = seconds[range].iter().sum::<f64>() / 60.0;
                 prop_assert!((10.0..=30.0).contains(&minutes), "{}", minutes);
             }

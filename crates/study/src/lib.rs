@@ -28,7 +28,7 @@ mod shard;
 mod table;
 
 pub use claim::{Finding, Verdict};
-pub use cost::{Costs, UNKNOWN_SECONDS};
+pub use cost::{Costs, SHARD_MINUTES, UNKNOWN_SECONDS};
 pub use description::{Claim, Pick, Relation, Study, parse};
 pub use edit::Edits;
 pub use error::{Failure, StudyError};

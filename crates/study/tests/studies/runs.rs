@@ -343,9 +343,10 @@ fn shards_are_cut_by_cost() {
     let costs = study::Costs::read(&at("timing")).unwrap();
     assert_eq!(costs.cell_count(), 4);
     let plan = plan(parse(text));
-    // 12 cells of 10 seconds and 12 of 90: 20 minutes are one shard, and so are as many cells of which nothing is known.
+    // 12 cells of 10 seconds and 12 of 90: 20 minutes are one shard.
     assert_eq!(costs.of_cells(&plan).iter().sum::<f64>(), 1200.0);
-    assert_eq!(plan.shards(&costs), [0..24]);
+    assert_eq!(plan.shards(&costs, study::SHARD_MINUTES).len(), 1);
+    assert_eq!(plan.shards(&costs, 10.0), [0..17, 17..24]);
     let mut counts = Vec::new();
     for part in 1..=2 {
         let options = RunOptions {

@@ -3,10 +3,11 @@
 mod laboratory;
 mod progress;
 mod registry;
+mod snakefile;
 mod warnings;
 
 use crate::context::{Context, Sort, parse_set, parse_size, set_text, unknown};
-use crate::output::{self, stderr, stdout, warn};
+use crate::output::{self, stderr, stdout, warn, write};
 use anyhow::{Context as _, Result, bail};
 use data_file::why_unreadable;
 use frame_graph::{Source, Value};
@@ -17,7 +18,10 @@ use renderer::Gpu;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use study::{AxisValue, Costs, Edits, Outcome, Plan, Ran, Results, RunOptions, Shard, Verdict};
+use study::{
+    AxisValue, Costs, Edits, Outcome, Plan, Ran, Results, RunOptions, SHARD_MINUTES, Shard, UNKNOWN_SECONDS,
+    Verdict,
+};
 use warnings::warnings;
 pub(crate) use warnings::{MOST_RUNS, without_effect};
 
@@ -32,6 +36,7 @@ pub(crate) use warnings::{MOST_RUNS, without_effect};
   lightloom study ism-fig-4 -o out/timing --timing
   lightloom study ism-fig-4 -o out/ism-fig-4 --shard 2/8 --costs out/timing
   lightloom study merge out/ism-fig-4 -o out/ism-fig-4
+  snakemake -c1 --snakefile $(lightloom study ism-fig-4 --snakefile --costs out/timing) --config out=out/ism-fig-4
   lightloom study publish out/ism-fig-4")]
 pub(crate) struct Args {
     #[command(subcommand)]
@@ -40,8 +45,15 @@ pub(crate) struct Args {
     #[arg(required = true)]
     file: Option<String>,
     /// The folder for cells, pictures, tables and the report
-    #[arg(short, long = "out", value_name = "DIR", required = true)]
+    #[arg(short, long = "out", value_name = "DIR", required_unless_present = "snakefile")]
     out: Option<PathBuf>,
+    /// Write a Snakefile that runs the study in jobs of 10 to 30 minutes (Snakemake, also on Slurm), by default NAME.smk, and
+    /// print its path. --costs says how long cells take
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, conflicts_with_all = ["out", "shard", "references", "timing"])]
+    snakefile: Option<Option<PathBuf>>,
+    /// Minutes that each job of a Snakefile is expected to take
+    #[arg(long, value_name = "MINUTES", default_value_t = SHARD_MINUTES, value_parser = above_zero, requires = "snakefile")]
+    shard_minutes: f64,
     /// Run shard i of n, cut by expected cost, into the folder of all or one of its own; `merge` joins shards. Also
     /// `references`, or places as a Snakefile has them
     #[arg(long, value_name = "i/n")]
@@ -72,7 +84,7 @@ pub(crate) struct Args {
     #[arg(long, value_parser = clap::value_parser!(u32).range(1..))]
     frames: Option<u32>,
     /// Time in milliseconds, instead of that of a budget of time; other budgets stay
-    #[arg(long, value_parser = parse_ms)]
+    #[arg(long, value_parser = above_zero)]
     ms: Option<f64>,
     /// A quick preview: a quarter of each side, one seed, first and last value of each axis
     #[arg(long)]
@@ -144,9 +156,9 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     }
 }
 
-fn parse_ms(text: &str) -> Result<f64, String> {
+fn above_zero(text: &str) -> Result<f64, String> {
     match text.parse() {
-        Ok(ms) if ms > 0.0 && f64::is_finite(ms) => Ok(ms),
+        Ok(number) if number > 0.0 && f64::is_finite(number) => Ok(number),
         _ => Err("expected a number above 0".to_owned()),
     }
 }
@@ -166,6 +178,9 @@ fn run_study(context: &Context, args: &Args, file: &str, out: &Path) -> Result<(
     let mut study = study::parse(source(context, file)?)?;
     study.edit(&edits)?;
     let plan = Plan::new(study, &CatalogRegistry::new(Arc::clone(&context.catalog)))?;
+    if let Some(path) = &args.snakefile {
+        return write_snakefile(context, args, file, &plan, path.as_deref());
+    }
     warn(&warnings(context, &plan), context.json);
     let mut lab = GpuLaboratory::new(Arc::clone(&context.catalog), Gpu::open()?);
     let options = RunOptions {
@@ -240,20 +255,67 @@ fn values(given: &[(String, Value)]) -> Vec<(String, AxisValue)> {
 
 /// Returns the command that repeats the run.
 fn command(args: &Args, file: &str) -> String {
-    let mut words = vec!["lightloom study".to_owned(), file.to_owned()];
+    format!("lightloom study {} -o DIR", words(args, file).join(" "))
+}
+
+/// Returns the arguments that say which study runs.
+fn words(args: &Args, file: &str) -> Vec<String> {
+    let mut words = vec![file.to_owned()];
+    let mut add = |option: &str, value: String| words.extend([option.to_owned(), value]);
     if let Some((width, height)) = args.size {
-        words.push(format!("--size {width}x{height}"));
+        add("--size", format!("{width}x{height}"));
     }
-    words.extend(args.set.iter().map(|set| format!("--set {}", set_text(set))));
-    words.extend(args.set_reference.iter().map(|set| format!("--set-reference {}", set_text(set))));
-    words.extend(args.scene.iter().map(|scene| format!("--scene {scene}")));
-    words.extend(args.seeds.map(|seeds| format!("--seeds {seeds}")));
-    words.extend(args.frames.map(|frames| format!("--frames {frames}")));
-    words.extend(args.ms.map(|ms| format!("--ms {ms}")));
+    args.set.iter().for_each(|set| add("--set", set_text(set)));
+    args.set_reference.iter().for_each(|set| add("--set-reference", set_text(set)));
+    args.scene.iter().for_each(|scene| add("--scene", scene.clone()));
+    args.seeds.iter().for_each(|seeds| add("--seeds", seeds.to_string()));
+    args.frames.iter().for_each(|frames| add("--frames", frames.to_string()));
+    args.ms.iter().for_each(|ms| add("--ms", ms.to_string()));
     words.extend(args.quick.then(|| "--quick".to_owned()));
     words.extend(args.timing.then(|| "--timing".to_owned()));
-    words.push("-o DIR".to_owned());
-    words.join(" ")
+    words
+}
+
+/// Writes the Snakefile of a study, and prints its path alone.
+fn write_snakefile(
+    context: &Context,
+    args: &Args,
+    file: &str,
+    plan: &Plan,
+    path: Option<&Path>,
+) -> Result<()> {
+    let name = &plan.study.name;
+    let path = path.map_or_else(|| PathBuf::from(format!("{name}.smk")), Path::to_owned);
+    let costs = args.costs.as_deref().map(Costs::read).transpose()?.unwrap_or_default();
+    if costs.cell_count() == 0 {
+        stderr!(
+            "note: nothing is known of the costs of cells, and each counts as {UNKNOWN_SECONDS} seconds: a run with --timing shows them, for --costs"
+        );
+    }
+    let workflow = snakefile::Workflow {
+        name,
+        file: &path.display().to_string(),
+        program: &program(context)?,
+        study: &words(args, file),
+    };
+    write(&path, &snakefile::text(plan, &costs, args.shard_minutes, &workflow))?;
+    if context.json {
+        output::json(&json!({ "snakefile": path }));
+    } else {
+        stdout!("{}", path.display());
+    }
+    Ok(())
+}
+
+/// Returns the path of this program, with the arguments by which another process has the same files.
+fn program(context: &Context) -> Result<Vec<String>> {
+    let path = std::env::current_exe().context("the program that runs does not know where it is")?;
+    let mut words = vec![path.display().to_string()];
+    if let Some(root) = context.catalog.assets().root() {
+        let root = root.canonicalize().unwrap_or_else(|_| root.to_owned());
+        words.extend(["--root".to_owned(), root.display().to_string()]);
+    }
+    Ok(words)
 }
 
 /// Prints the summary of a shard. Its failed cells are rows too: they are in the report of the whole, and fail no batch job.
