@@ -30,9 +30,13 @@ pub struct SceneEdit {
     /// The camera. Where the file leaves `near` to be derived from the scene's extent, it still does; a file without
     /// a camera gets it whole, without `near` if that is 0.
     pub camera: Option<Camera>,
-    /// Lights of the file, by name and of the same kind: those that changed. Of several with one name, the first
-    /// stands for the first in the file, and so on.
+    /// Lights of the file, by name: those that changed. Of several with one name, the first stands for the first in the
+    /// file, and so on. A light of another kind is written anew; only its comments remain.
     pub lights: Vec<Light>,
+    /// Lights that the file does not have yet, behind all others. One that it has by then is edited.
+    pub added: Vec<Light>,
+    /// The names of the lights of the file that are removed: of several with one name, the first.
+    pub removed: Vec<String>,
     /// The keys of the camera, all of them, by rising times.
     pub camera_keys: Option<Vec<CameraKey>>,
     /// The keys of lights, by name: all of each light that is named, by rising times.
@@ -75,8 +79,8 @@ pub struct LightKey {
 /// as precise as `f64` is there.
 ///
 /// # Errors
-/// All errors of the file; a light that is not in its `lights`, because it belongs to a glTF file, or is of another
-/// kind there; values that no scene file can have.
+/// All errors of the file; a light that is not in its `lights`, because it belongs to a glTF file; values that no scene
+/// file can have, as keys of a light that is removed.
 pub fn edited(source: &Arc<Source>, edit: &SceneEdit) -> Result<String, Diagnostics> {
     parse(source, None, edit.origin)?;
     let text = patched(source, edit)?;
@@ -119,11 +123,15 @@ pub fn save(path: &Path, edit: &SceneEdit) -> Result<(), SceneError> {
 pub fn scene_file_for(scene: &Scene, geometry: &str, edit: &SceneEdit) -> Result<String, Diagnostics> {
     let origin = scene.origin;
     let edit = &SceneEdit { origin, ..edit.clone() };
-    let lights = scene.lights.iter().enumerate().map(|(i, light)| {
-        let before = scene.lights[..i].iter().filter(|before| before.name == light.name).count();
+    let stays = |light: &&Light| !edit.removed.contains(&light.name);
+    let lights = scene.lights.iter().filter(stays).enumerate().map(|(i, light)| {
+        let before =
+            scene.lights.iter().filter(stays).take(i).filter(|before| before.name == light.name).count();
         let edited = edit.lights.iter().filter(|edited| edited.name == light.name).nth(before);
         format!("        {},\n", tree::light_text(edited.unwrap_or(light), origin))
     });
+    let added = edit.added.iter().map(|light| format!("        {},\n", tree::light_text(light, origin)));
+    let lights = lights.chain(added);
     let camera = edit.camera.unwrap_or(scene.camera);
     let mut text = String::from("Scene(\n");
     if !scene.about.is_empty() {
@@ -148,7 +156,9 @@ fn check(name: &str, text: &str, edit: &SceneEdit) -> Result<(), Diagnostics> {
         let note = "this is what would have been written; nothing is";
         Diagnostics(errors.into_iter().map(|error| error.note(note)).collect())
     })?;
-    if patched(&source, edit)? == text {
+    // What is gone cannot be removed again.
+    let again = SceneEdit { removed: Vec::new(), ..edit.clone() };
+    if patched(&source, &again)? == text {
         return Ok(());
     }
     let whole = Span { source, start: 0, end: 0 };

@@ -37,6 +37,12 @@ impl<'a> Patches<'a> {
         self.list.push((range(node), by));
     }
 
+    /// Replaces a node, of which the comments remain before the new text.
+    pub(super) fn rewrite(&mut self, node: Node<'_>, by: &str) {
+        let comments = comments_in(&self.text[range(node)]);
+        self.replace(node, format!("{comments}{by}"));
+    }
+
     /// Returns the changed text.
     pub(super) fn apply(mut self) -> String {
         // Stable: what is inserted at one place stays in the order in which it was.

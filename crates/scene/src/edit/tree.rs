@@ -22,7 +22,7 @@ pub(super) fn edit(reader: &mut Reader<'_>, tree: Node<'_>, patches: &mut Patche
             None => items.add(items.len(), format!("camera: {}", camera_text(camera, edit.origin))),
         }
     }
-    edit_lights(reader, tree, patches, edit);
+    edit_lights(reader, tree, &mut items, patches, edit);
     match tree.field("keyframes") {
         Some(node) => edit_keyframes(node, patches, edit),
         None => {
@@ -120,48 +120,69 @@ pub(super) fn light_text(light: &Light, origin: DVec3) -> String {
     text.replacen('(', &format!("(name: {:?}, ", light.name), 1)
 }
 
-fn edit_lights(reader: &mut Reader<'_>, tree: Node<'_>, patches: &mut Patches<'_>, edit: &SceneEdit) {
+fn edit_lights(
+    reader: &mut Reader<'_>,
+    tree: Node<'_>,
+    root: &mut Items,
+    patches: &mut Patches<'_>,
+    edit: &SceneEdit,
+) {
     let list = tree.field("lights");
-    let items = list.map(Node::items).unwrap_or_default();
+    let nodes = list.map(Node::items).unwrap_or_default();
     let name = |(index, node): (usize, &Node<'_>)| match node.field("name").map(|name| name.shape()) {
         Some(Shape::Text(name)) if !name.is_empty() => name,
         _ => format!("light {index}"),
     };
-    let names: Vec<String> = items.iter().enumerate().map(name).collect();
+    let names: Vec<String> = nodes.iter().enumerate().map(name).collect();
+    let known = edit.added.iter().filter(|light| names.contains(&light.name));
     // The first edit of a name is of the first light with that name, and so on.
     let mut seen: BTreeMap<&str, usize> = BTreeMap::new();
-    for light in &edit.lights {
+    for light in edit.lights.iter().chain(known) {
         let count = seen.entry(&light.name).or_default();
-        let found = names.iter().zip(&items).filter(|(name, _)| **name == light.name).nth(*count);
+        let found = names.iter().zip(&nodes).filter(|(name, _)| **name == light.name).nth(*count);
         *count += 1;
-        let (form, Some((_, node))) = (light_fields(light, edit.origin, None).0, found) else {
-            let place = list.or(tree.field("geometry")).unwrap_or(tree);
-            let error = Diagnostic::new(
-                &codes::NAME,
-                format!("the light `{}` is not in `lights` of this file", light.name),
-            )
-            .label(reader.span(reader.head(reader.place(place))), "not here")
-            .note("it belongs to the geometry, a glTF file, which is not written to")
-            .note("`lights_from_file: false` leaves out the lights of that file; those in `lights` can be edited")
-            .suggest("lights of this file", &light.name, names.iter().map(String::as_str));
-            reader.report(error);
+        let Some((_, node)) = found else {
+            report_stranger(reader, list.or(tree.field("geometry")).unwrap_or(tree), &light.name, &names);
             continue;
         };
+        let (form, fields) = light_fields(light, edit.origin, Some(*node));
         match node.shape() {
-            Shape::Form(Some(known)) if known == form => {
-                let (_, fields) = light_fields(light, edit.origin, Some(*node));
-                set_fields(*node, patches, &fields);
-            }
-            _ => {
-                let message = format!("the light `{}` cannot become a `{form}`", light.name);
-                let error = Diagnostic::new(&codes::CONFLICT, message).label(
-                    reader.span(reader.head(reader.place(*node))),
-                    "another kind of light in the file",
-                );
-                reader.report(error);
-            }
+            Shape::Form(Some(known)) if known == form => set_fields(*node, patches, &fields),
+            _ => patches.rewrite(*node, &light_text(light, edit.origin)),
         }
     }
+    let mut items = list.map(Items::of);
+    for removed in &edit.removed {
+        match (names.iter().position(|name| name == removed), &mut items) {
+            (Some(index), Some(items)) => items.remove(index),
+            _ => report_stranger(reader, list.or(tree.field("geometry")).unwrap_or(tree), removed, &names),
+        }
+    }
+    let added = edit.added.iter().filter(|light| !names.contains(&light.name));
+    let texts: Vec<String> = added.map(|light| light_text(light, edit.origin)).collect();
+    match &mut items {
+        Some(items) => {
+            // Behind the last that stays.
+            let stays = |index: &usize| !edit.removed.contains(&names[*index]);
+            let last = (0..items.len()).rev().find(stays).map_or(0, |index| index + 1);
+            texts.into_iter().for_each(|text| items.add(last, text));
+        }
+        None if texts.is_empty() => {}
+        None => root.add(root.len(), format!("lights: [{}]", texts.join(", "))),
+    }
+    if let Some(items) = items {
+        items.finish(patches);
+    }
+}
+
+/// Reports a light that the file does not have.
+fn report_stranger(reader: &mut Reader<'_>, place: Node<'_>, name: &str, names: &[String]) {
+    let error = Diagnostic::new(&codes::NAME, format!("the light `{name}` is not in `lights` of this file"))
+        .label(reader.span(reader.head(reader.place(place))), "not here")
+        .note("it belongs to the geometry, a glTF file, which is not written to")
+        .note("`lights_from_file: false` leaves out the lights of that file; those in `lights` can be edited")
+        .suggest("lights of this file", name, names.iter().map(String::as_str));
+    reader.report(error);
 }
 
 fn camera_key(key: &CameraKey, origin: DVec3) -> Vec<Field> {

@@ -304,6 +304,7 @@ fn what_is_saved_far_out_is_read_back() {
             camera_keys: Some(keys.camera.clone()),
             light_keys: keys.lights.clone(),
             origin,
+            ..SceneEdit::default()
         };
         scene::save(&path, &same).expect("saved");
         let read = keys_of(&path, origin).expect("keys");
@@ -338,6 +339,7 @@ fn what_is_saved_far_out_is_read_back() {
             camera_keys: Some(camera_keys.to_vec()),
             light_keys: BTreeMap::from([("spot".to_owned(), light_keys.to_vec())]),
             origin,
+            ..SceneEdit::default()
         };
         scene::save(&path, &edit).expect("saved");
         let saved = std::fs::read_to_string(&path).expect("a file");
