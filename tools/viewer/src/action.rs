@@ -99,6 +99,8 @@ pub(crate) enum Action {
     SceneCamera,
     /// Gives the lights back to the scene.
     SceneLights,
+    /// Keeps the camera, to go back to it.
+    Bookmark,
     /// Records a key of the camera at the time shown.
     Key,
     /// Writes camera, lights and keys into the scene's file.
@@ -165,6 +167,7 @@ pub(crate) fn table() -> Vec<Entry> {
         entry(A::Play, "Play or stop the animation", plain(Key::P)),
         entry(A::Rewind, "Go to the start of the animation", plain(Key::Home)),
         entry(A::Key, "Record a key of the camera at the time shown", plain(Key::K)),
+        entry(A::Bookmark, "Keep the camera as a bookmark", ctrl(Key::B)),
         entry(A::SceneCamera, "Give the camera back to the scene", plain(Key::C)),
         entry(A::SceneLights, "Give the lights back to the scene", plain(Key::B)),
         entry(A::Handles, "Show or hide the handles of lights", plain(Key::H)),

@@ -53,6 +53,8 @@ pub(crate) struct Remembered {
     pub(crate) dark: Option<bool>,
     /// The camera, where the user moved it, in the scene named above.
     pub(crate) camera: Option<Camera>,
+    /// Cameras that the user goes back to.
+    pub(crate) bookmarks: Vec<panel::scene::Bookmark>,
 }
 
 impl Default for Remembered {
@@ -72,6 +74,7 @@ impl Default for Remembered {
             handles: true,
             dark: None,
             camera: None,
+            bookmarks: Vec::new(),
         }
     }
 }
@@ -278,7 +281,9 @@ impl App {
         if before.scene.spec == now.scene.spec && before.scene.origin != now.scene.origin {
             // What was moved by hand stays where it is in the file's space.
             let by = (before.scene.origin - now.scene.origin).as_vec3();
+            let spec = now.scene.spec.clone();
             self.pilot.shift(&self.engine, by);
+            self.shift_bookmarks(&spec, by);
             self.history = History::default();
             self.scene_panel.saved();
         }
@@ -375,6 +380,7 @@ impl App {
                     self.scene_panel.record(&self.now, camera, self.time());
                 }
             }
+            Action::Bookmark => self.bookmark(),
             Action::SaveScene => self.saving = panel::save::Saving::scene(self),
             Action::SaveVariant => self.saving = panel::save::Saving::variant(self, SideId::A),
             Action::Screenshot => self.screenshot(),

@@ -34,6 +34,7 @@ enum Does {
     Pipeline(SideId, String),
     Scene(String),
     Pass(String),
+    Bookmark(String),
 }
 
 /// The most items that are listed.
@@ -72,7 +73,13 @@ fn items(app: &App, context: &Context) -> Vec<Item> {
         about: pass.kind.to_string(),
         does: Does::Pass(pass.name.to_string()),
     });
-    actions.chain(pipelines).chain(scenes).chain(passes).collect()
+    let bookmarks = app.bookmarks().map(|bookmark| Item {
+        kind: "bookmark",
+        name: bookmark.name.clone(),
+        about: "a camera of this scene".to_owned(),
+        does: Does::Bookmark(bookmark.name.clone()),
+    });
+    actions.chain(pipelines).chain(scenes).chain(passes).chain(bookmarks).collect()
 }
 
 /// The items that have every word of the text in their kind and name, or at least in what is said about them; those whose
@@ -191,6 +198,7 @@ pub(crate) fn show(app: &mut App, context: &Context) {
             app.leave(Leave::Pipeline(side, name, Overrides::default()), context);
         }
         Some(Does::Scene(name)) => app.leave(Leave::Scene(name), context),
+        Some(Does::Bookmark(name)) => app.go_to_bookmark(&name),
         Some(Does::Pass(name)) => {
             (app.remembered.panels, app.remembered.tab) = (true, Tab::Look);
             app.inspector.choose(SideId::A, &name);

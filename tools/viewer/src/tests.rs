@@ -3,6 +3,7 @@
 mod history;
 mod layout;
 mod leave;
+mod scene;
 
 use crate::action::{Action, Tab, View};
 use crate::app::{App, Remembered};

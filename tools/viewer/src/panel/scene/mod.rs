@@ -1,9 +1,13 @@
 //! Camera, lights and keys of the scene.
 
+mod bookmarks;
+mod lights;
+
 use crate::action::Action;
 use crate::app::App;
 use crate::edits::counted;
 use crate::engine::Published;
+pub(crate) use bookmarks::Bookmark;
 use eframe::egui::{DragValue, Grid, Id, Response, ScrollArea, Slider, Ui};
 use glam::{DVec3, Vec3};
 use scene::{Camera, CameraKey, Light, LightKey, LightKind, SceneEdit, SceneKeys};
@@ -76,6 +80,7 @@ impl ScenePanel {
     /// Returns the differences from the scene as it was loaded.
     pub(crate) fn edit(&self, app: &App) -> SceneEdit {
         let own = app.now.scene.as_ref().map(|view| &view.scene);
+        let is_own = |name: &str| own.is_some_and(|scene| scene.lights.iter().any(|own| own.name == name));
         let moved = |light: &&Light| {
             own.is_none_or(|scene| scene.lights.iter().all(|own| own.name != light.name || own != *light))
         };
@@ -89,6 +94,11 @@ impl ScenePanel {
         let kept = |value: Vec3, of: Option<Vec3>, digits: i32| {
             if of == Some(value) { value } else { rounded(value, digits) }
         };
+        let gone = |light: &&Light| {
+            let stays = |user: &[Light]| user.iter().any(|user| user.name == light.name);
+            app.pilot.lights.as_ref().is_some_and(|user| !stays(user))
+        };
+        let removed = own.iter().flat_map(|scene| &scene.lights).filter(gone).map(|light| light.name.clone());
         let lights = moved.map(|light| {
             let before = own.and_then(|scene| scene.lights.iter().find(|own| own.name == light.name));
             Light {
@@ -109,9 +119,12 @@ impl ScenePanel {
         for key in keys.iter_mut().flat_map(|keys| keys.lights.values_mut().flatten()) {
             key.position = key.position.map(round);
         }
+        let (lights, added): (Vec<Light>, Vec<Light>) = lights.partition(|light| is_own(&light.name));
         SceneEdit {
             camera,
-            lights: lights.collect(),
+            lights,
+            added,
+            removed: removed.collect(),
             camera_keys: keys.as_ref().map(|keys| keys.camera.clone()).filter(|keys| !keys.is_empty()),
             light_keys: keys.map_or_else(Default::default, |keys| keys.lights),
             origin: own.map_or(DVec3::ZERO, |scene| scene.origin),
@@ -148,7 +161,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
         camera(app, ui);
         ui.separator();
-        lights(app, ui);
+        lights::show(app, ui);
         ui.separator();
         keys(app, ui);
     });
@@ -187,86 +200,12 @@ fn camera(app: &mut App, ui: &mut Ui) {
             }
         }
     });
+    if let Some(chosen) = bookmarks::show(app, ui, &before) {
+        app.pilot.fly_to(before, chosen);
+    }
     if camera != before && camera.position != camera.target {
         app.pilot.take(&app.engine, camera, false);
     }
-}
-
-fn lights(app: &mut App, ui: &mut Ui) {
-    let context = ui.ctx().clone();
-    let mut lights = app.pilot.lights.clone().unwrap_or_else(|| app.now.lights.clone());
-    let before = lights.clone();
-    let mut record = None;
-    ui.horizontal(|ui| {
-        ui.strong("Lights");
-        ui.checkbox(&mut app.remembered.handles, "Handles").on_hover_text("H");
-        if app.pilot.lights.is_some() && ui.button("Give back").on_hover_text("B").clicked() {
-            app.act(Action::SceneLights, &context);
-        }
-    });
-    let extent = app.now.scene.as_ref().map_or(1.0, |view| {
-        let (min, max) = view.scene.bounds();
-        (max - min).length().max(1e-3)
-    });
-    let origin = app.now.scene.as_ref().map_or(DVec3::ZERO, |view| view.scene.origin);
-    for (i, light) in lights.iter_mut().enumerate() {
-        ui.push_id(i, |ui| {
-            ui.horizontal(|ui| {
-                let kind = match light.kind {
-                    LightKind::Spot { .. } => "spot",
-                    LightKind::Point => "point",
-                    LightKind::Directional => "directional",
-                };
-                ui.label(format!("{} ({kind})", light.name));
-                if ui.small_button("Record a key").clicked() {
-                    record = Some(i);
-                }
-            });
-            one_light(ui, light, origin, extent);
-        });
-    }
-    if let Some(light) = record.map(|i| lights[i].clone()) {
-        let time = app.time();
-        app.scene_panel.record_light(&app.now, &light, time);
-    }
-    if lights != before {
-        app.pilot.set_lights(&app.engine, lights);
-    }
-}
-
-fn one_light(ui: &mut Ui, light: &mut Light, origin: DVec3, extent: f32) {
-    let name = light.name.clone();
-    Grid::new("light").num_columns(2).show(ui, |ui| {
-        if light.kind != LightKind::Directional {
-            row(ui, "position", |ui, _| {
-                place(ui, &format!("Position of {name}"), &mut light.position, origin, 0.003 * extent);
-            });
-        }
-        if light.kind != LightKind::Point {
-            row(ui, "direction", |ui, _| {
-                let mut direction = light.direction;
-                vector(ui, &format!("Direction of {name}"), &mut direction, 0.01);
-                if direction != light.direction {
-                    light.direction = direction.normalize_or(light.direction);
-                }
-            });
-        }
-        row(ui, "intensity", |ui, _| {
-            let speed = 0.01 * light.intensity.max_element().max(1e-3);
-            vector(ui, &format!("Intensity of {name}"), &mut light.intensity, speed);
-            light.intensity = light.intensity.max(Vec3::ZERO);
-        });
-        if let LightKind::Spot { inner, outer } = &mut light.kind {
-            row(ui, "half angle", |ui, label| {
-                let mut degrees = outer.to_degrees();
-                let slider = Slider::new(&mut degrees, 1.0..=90.0).suffix("°");
-                if ui.add(slider).labelled_by(label).changed() {
-                    *outer = degrees.to_radians();
-                    *inner = inner.min(*outer);
-                }
-            });
-        }
-    });
 }
 
 fn keys(app: &mut App, ui: &mut Ui) {
