@@ -256,7 +256,9 @@ impl App {
             }
         }
         let frame = egui::Frame::central_panel(ui.style()).inner_margin(0.0);
-        CentralPanel::default().frame(frame).show(ui, |ui| viewport::show(self, ui));
+        CentralPanel::default().frame(frame).show(ui, |ui| {
+            if self.shows_graph() { panel::graph::show(self, ui) } else { viewport::show(self, ui) }
+        });
         let context = ui.ctx().clone();
         panel::help::show(self, &context);
         crate::palette::show(self, &context);

@@ -1,6 +1,6 @@
 //! The palette: any command, pipeline, scene or pass by a few letters of its name.
 
-use crate::action::{Action, Tab, table};
+use crate::action::{Action, table};
 use crate::app::App;
 use crate::engine::SideId;
 use crate::leave::Leave;
@@ -200,8 +200,7 @@ pub(crate) fn show(app: &mut App, context: &Context) {
         Some(Does::Scene(name)) => app.leave(Leave::Scene(name), context),
         Some(Does::Bookmark(name)) => app.go_to_bookmark(&name),
         Some(Does::Pass(name)) => {
-            (app.remembered.panels, app.remembered.tab) = (true, Tab::Look);
-            app.inspector.choose(SideId::A, &name);
+            app.look_at(SideId::A, &name);
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The interface by its accessibility tree: what is there has a name, and can be reached by the keyboard.
 
+mod graph;
 mod history;
 mod layout;
 mod leave;

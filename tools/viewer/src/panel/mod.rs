@@ -68,7 +68,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     ui.separator();
     match app.remembered.tab {
         Tab::Time => time::show(app, ui),
-        Tab::Graph => graph::show(app, ui),
+        Tab::Graph => graph::show_details(app, ui),
         Tab::Look => look::show(app, ui),
         Tab::Scene => scene::show(app, ui),
         Tab::Compare => compare::show(app, ui),

@@ -204,7 +204,8 @@ fn presets(app: &mut App, ui: &mut Ui, plan: &Plan) {
     });
 }
 
-fn describe(desc: &ResourceDesc) -> String {
+/// Describes a resource in a line: format, size and bytes.
+pub(crate) fn describe(desc: &ResourceDesc) -> String {
     match desc {
         ResourceDesc::Texture(texture) => format!(
             "{} {}×{}×{}, {}",
