@@ -1,8 +1,10 @@
-//! Reports: one page template, tables in HTML, Markdown and LaTeX, charts in SVG, and numbers with intervals.
+//! Reports: one page template, tables in HTML, Markdown and LaTeX, charts in SVG, figures of pictures in PDF and LaTeX, and
+//! numbers with intervals.
 //!
 //! A page needs no other file and no network. The same content gives the same bytes.
 
 mod chart;
+mod composed;
 pub mod escape;
 pub mod number;
 mod page;
@@ -12,6 +14,7 @@ pub use chart::{
     AxisKind, Band, BarChart, BarRow, Drawing, Ink, Line, MOST_COLORS, MOST_DASHES, MOST_PARTS, Point,
     Segment, Series, XyAxis, XyChart,
 };
+pub use composed::{Column as FigureColumn, Composed, Raster};
 pub use number::Measured;
 pub use page::Page;
 pub use table::{Column, Entry, Table, plain_table};

@@ -28,7 +28,7 @@ pub fn claims(results: &Results) -> Option<Table> {
 
 /// Writes a report into the study's folder, which holds the pictures that `results` names: `report.html`, a
 /// single file that needs no other files and no network; its charts as `figures/*.svg`, the crops that the study declares as
-/// `figures/*.png`; its tables as `tables/*.md` and `tables/*.tex`. The same results give the same bytes. A file is
+/// `figures/*.png`, and figures of them with the error under each as `figures/*-figure.pdf` and `.tex`; its tables as `tables/*.md` and `tables/*.tex`. The same results give the same bytes. A file is
 /// always complete or absent, also while it replaces another. Returns the files that were written, the page first.
 ///
 /// # Errors

@@ -250,7 +250,7 @@ pub(super) fn shortened(text: &str, size: f64, most: f64) -> String {
 }
 
 /// Formats a coordinate: at most two decimals, no trailing zeros, never `-0`.
-pub(super) fn n(value: f64) -> String {
+pub(crate) fn n(value: f64) -> String {
     let rounded = (value * 100.0).round() / 100.0;
     if rounded == 0.0 { "0".to_owned() } else { rounded.to_string() }
 }

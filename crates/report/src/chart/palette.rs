@@ -74,6 +74,15 @@ impl Ink {
         }
     }
 
+    /// Returns the color on a white background: red, green and blue.
+    pub(crate) fn rgb(self) -> [u8; 3] {
+        let digits = self.pair().0;
+        std::array::from_fn(|channel| {
+            let at = 1 + 2 * channel;
+            u8::from_str_radix(&digits[at..at + 2], 16).expect("colors are six digits")
+        })
+    }
+
     fn pair(self) -> Pair {
         match self {
             Ink::Paper => ("#ffffff", "#14171c"),

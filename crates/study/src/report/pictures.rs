@@ -1,5 +1,6 @@
 //! Pictures for the page: linear, with the exposure that their reference asks for, within a size budget.
 
+mod composed;
 mod encoded;
 mod insets;
 mod linear;
@@ -31,7 +32,7 @@ pub(super) struct Pictures {
     crops: Vec<[f64; 4]>,
     /// The colors of differences: see [`diverging`].
     diverging: String,
-    /// Names and content of the files of crops.
+    /// Names and content of the files of crops, and of the figures of them.
     #[serde(skip)]
     pub(super) insets: Vec<(PathBuf, Vec<u8>)>,
     /// Notes for the reader: files that could not be read, pictures that were left out.

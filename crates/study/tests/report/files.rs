@@ -68,8 +68,8 @@ fn crops_are_files_for_papers() {
     let files = contents(folder.path());
     let crops: Vec<&String> =
         files.keys().filter(|name| name.starts_with("figures/") && name.ends_with(".png")).collect();
-    // Two crops of each reference, and of the first seed of each combination.
-    assert_eq!(crops.len(), 2 * 2 * (1 + 18), "{crops:?}");
+    // Two crops of each reference, and of the first seed of each combination; and each reference as a whole.
+    assert_eq!(crops.len(), 2 * 2 * (1 + 18) + 2, "{crops:?}");
     let read =
         |name: &str| metrics::Image::read(folder.path().join("figures").join(name)).expect("a picture");
     let crop = read("cornell-box-crop-1-reference.png");
@@ -78,6 +78,33 @@ fn crops_are_files_for_papers() {
     let method = read("cornell-box-crop-1-sequential-lights-64-gather.filter-false.png");
     assert_eq!((method.width(), method.height()), (288, 384));
     assert!(method.pixels() != crop.pixels());
+}
+
+#[test]
+fn crops_are_composed_to_figures_with_the_error_under_each() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let results = sample::with_pictures(folder.path());
+    study::report(&results, folder.path()).expect("a report");
+    let files = contents(folder.path());
+    let figures: Vec<&String> = files.keys().filter(|name| name.ends_with(".pdf")).collect();
+    // Six of 18 combinations in each.
+    assert_eq!(figures.len(), 2 * 3, "{figures:?}");
+    for pdf in figures {
+        assert!(files[pdf].starts_with(b"%PDF-"), "{pdf}");
+        let tex = std::str::from_utf8(&files[&pdf.replace(".pdf", ".tex")]).expect("text");
+        assert_eq!(tex.matches("\\includegraphics").count(), 1 + 2 * 7, "{tex}");
+        let named = tex.split("\\unitlength]{").skip(1).filter_map(|rest| rest.split_once('}'));
+        for (picture, _) in named {
+            assert!(files.contains_key(&format!("figures/{picture}")), "{picture}");
+        }
+    }
+    let tex = std::str::from_utf8(&files["figures/cornell-box-figure.tex"]).expect("text");
+    // The number is that of the table.
+    let table = std::str::from_utf8(&files["tables/cornell-box.tex"]).expect("text");
+    let line = tex.lines().find(|line| line.contains("\\\\ $")).expect("a method");
+    let (_, number) = line.split_once("\\\\ $").expect("a number");
+    let number = number.split('$').next().expect("its end");
+    assert!(number.contains("\\pm") && table.contains(number), "{number} in {table}");
 }
 
 #[test]

@@ -1,22 +1,24 @@
-//! The crops that a study declares, as PNG files for papers.
+//! The crops that a study declares, as PNG files for papers, and the figures of them.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use metrics::{Display, Image};
 
+use super::composed::Figures;
+use super::encoded::reduced;
 use super::{Truth, of_cell, with_pictures};
 use crate::report::digest::Digest;
 use crate::report::figures;
-use report::escape;
+use report::{Raster, escape};
 
 /// The least length of the longer side of a file [px]: pixels of smaller crops are repeated.
 const LEAST_SIDE: usize = 384;
 /// The greatest number of files.
 const MOST: usize = 512;
 
-/// Returns the crops of each reference, and of each combination's first picture: name and content of each file. Crops
-/// that are left out are reported in `notes`.
+/// Returns the crops of each reference, and of each combination's first picture: name and content of each file; with them
+/// the figures that are composed of them. Crops that are left out are reported in `notes`.
 pub(super) fn insets(
     digest: &Digest<'_>,
     folder: &Path,
@@ -24,29 +26,22 @@ pub(super) fn insets(
     notes: &mut Vec<String>,
 ) -> Vec<(PathBuf, Vec<u8>)> {
     let crops = &digest.results.study.crops;
-    let mut taken = BTreeSet::new();
-    let mut files = Vec::new();
-    let mut add = |image: &Image, display: Display, scene: usize, name: &[&str]| {
-        for (number, crop) in (1..).zip(crops) {
-            let number = format!("crop-{number}");
-            let parts: Vec<String> = [digest.scenes[scene], &number]
-                .iter()
-                .chain(name)
-                .filter(|part| !part.is_empty())
-                .map(|part| escape::file_name(part))
-                .collect();
-            let name = figures::unique(&mut taken, &format!("{}.png", parts.join("-")));
-            files.extend(enlarged(image, *crop).png(display).map(|bytes| (PathBuf::from(name), bytes)));
-        }
-    };
     if crops.is_empty() {
         return Vec::new();
     }
-    for truth in truths {
-        if let Some(image) = &truth.linear {
-            add(image, truth.display, truth.of.0, &["reference"]);
-        }
-    }
+    let mut files = Files::default();
+    let mut figures: Vec<Figures<'_>> = truths
+        .iter()
+        .map(|truth| {
+            let scene = digest.scenes[truth.of.0];
+            let mut figures = Figures::new(digest, scene);
+            if let Some(image) = &truth.linear {
+                figures.picture = Some(files.whole(image, truth.display, &[scene, "reference"]));
+                figures.add(files.crops(image, crops, truth.display, scene, &["reference"]), None);
+            }
+            figures
+        })
+        .collect();
     let most = MOST / crops.len();
     let rows = digest.rows.iter().filter_map(|row| Some((row, *with_pictures(row).first()?)));
     for (index, (row, cell)) in rows.enumerate() {
@@ -57,23 +52,97 @@ pub(super) fn insets(
         let path = cell.images.image.as_deref().unwrap_or_default();
         // The viewer reports pictures that cannot be read.
         if let Ok(image) = Image::read(folder.join(path)) {
-            let display = truths[of_cell(digest, truths, row, cell)].display;
-            let values = digest.values_text(row, &digest.varied());
-            add(&image, display, row.scene, &[&digest.pipelines[row.pipeline], &values]);
+            let truth = of_cell(digest, truths, row, cell);
+            let (display, scene) = (truths[truth].display, digest.scenes[row.scene]);
+            let names = [digest.pipelines[row.pipeline].as_str(), &digest.values_text(row, &digest.varied())];
+            let figures = &mut figures[truth];
+            if figures.picture.is_none() {
+                figures.picture = Some(files.whole(&image, display, &[scene, "picture"]));
+            }
+            figures.add(files.crops(&image, crops, display, scene, &names), Some((names, row)));
         }
     }
-    files
+    for figures in figures {
+        figures.write(digest, &mut files);
+    }
+    files.all
 }
 
-/// Returns a part of a picture, given in shares of its sides: `[left, top, width, height]`. Small ones are enlarged by a
-/// whole factor.
-fn enlarged(image: &Image, [left, top, width, height]: [f64; 4]) -> Image {
+/// Files of `figures/`, each of a name of its own.
+#[derive(Default)]
+pub(super) struct Files {
+    taken: BTreeSet<String>,
+    all: Vec<(PathBuf, Vec<u8>)>,
+}
+
+impl Files {
+    /// Returns a name that no other file has, of these parts.
+    fn name(&mut self, parts: &[&str], ending: &str) -> String {
+        let parts: Vec<String> =
+            parts.iter().filter(|part| !part.is_empty()).map(|part| escape::file_name(part)).collect();
+        figures::unique(&mut self.taken, &format!("{}.{ending}", parts.join("-")))
+    }
+
+    pub(super) fn add(&mut self, name: &str, bytes: Vec<u8>) {
+        self.all.push((PathBuf::from(name), bytes));
+    }
+
+    /// Returns the name of two files of these parts, a PDF file and one for LaTeX.
+    pub(super) fn figure(&mut self, parts: &[&str]) -> String {
+        self.name(parts, "pdf")
+    }
+
+    /// Adds a whole picture.
+    fn whole(&mut self, image: &Image, display: Display, parts: &[&str]) -> Raster {
+        let image = reduced(image);
+        let name = self.name(parts, "png");
+        if let Ok(bytes) = image.png(display) {
+            self.add(&name, bytes);
+        }
+        raster(&image, display, name)
+    }
+
+    /// Adds the crops of a picture.
+    fn crops(
+        &mut self,
+        image: &Image,
+        crops: &[[f64; 4]],
+        display: Display,
+        scene: &str,
+        names: &[&str],
+    ) -> Vec<Raster> {
+        (1..)
+            .zip(crops)
+            .map(|(number, crop)| {
+                let number = format!("crop-{number}");
+                let name = self.name(&[&[scene, &number], names].concat(), "png");
+                let part = part(image, *crop);
+                if let Ok(bytes) = enlarged(&part).png(display) {
+                    self.add(&name, bytes);
+                }
+                raster(&part, display, name)
+            })
+            .collect()
+    }
+}
+
+fn raster(image: &Image, display: Display, file: String) -> Raster {
+    let rgb = image.srgb8(display).flatten().collect();
+    Raster { width: image.width(), height: image.height(), rgb, file }
+}
+
+/// Returns a part of a picture, given in shares of its sides: `[left, top, width, height]`.
+fn part(image: &Image, [left, top, width, height]: [f64; 4]) -> Image {
     let (columns, rows) = (range(left, width, image.width()), range(top, height, image.height()));
-    let factor = LEAST_SIDE.div_ceil(columns.len().max(rows.len()));
-    let pixel = |x: usize, y: usize| {
-        image.pixels()[(rows.start + y / factor) * image.width() + columns.start + x / factor]
-    };
-    Image::from_fn(columns.len() * factor, rows.len() * factor, pixel).expect("a crop has at least a pixel")
+    let pixel = |x: usize, y: usize| image.pixels()[(rows.start + y) * image.width() + columns.start + x];
+    Image::from_fn(columns.len(), rows.len(), pixel).expect("a crop has at least a pixel")
+}
+
+/// Returns a picture enlarged by a whole factor, if it is small.
+fn enlarged(image: &Image) -> Image {
+    let factor = LEAST_SIDE.div_ceil(image.width().max(image.height()));
+    let pixel = |x: usize, y: usize| image.pixels()[y / factor * image.width() + x / factor];
+    Image::from_fn(image.width() * factor, image.height() * factor, pixel).expect("it has at least a pixel")
 }
 
 /// Returns the pixels of a part of a side; at least one.
@@ -90,7 +159,7 @@ mod tests {
     #[test]
     fn crops_are_enlarged_by_whole_factors() {
         let image = Image::from_fn(100, 50, |x, y| [x as f32, y as f32, 0.0, 1.0]).expect("pixels");
-        let crop = enlarged(&image, [0.25, 0.5, 0.1, 0.1]);
+        let crop = enlarged(&part(&image, [0.25, 0.5, 0.1, 0.1]));
         assert_eq!((crop.width(), crop.height()), (390, 195), "10 by 5 pixels, 39 times");
         assert_eq!(crop.pixels()[0][..2], [25.0, 25.0]);
         assert_eq!(crop.pixels()[390 * 195 - 1][..2], [34.0, 29.0]);
