@@ -36,6 +36,9 @@ fn pixels_that_are_not_finite_are_reported_and_fail() {
         )],
     )"#;
     folder.write("broken.ron", pipeline);
+    // A screen's picture is made of 8 bits, which have no place for what is not finite.
+    let shown = ["broken.ron", "cornell-box", "-o", "shown.png", "--output", "display"];
+    render(&folder, &shown).failure(1, &["384 pixels are not finite: the first is (0, 0) of `image`"]);
     for file in ["x.exr", "x.png", "x.pfm"] {
         let words = "384 pixels are not finite: the first is (0, 0) of `image`";
         render(&folder, &["broken.ron", "cornell-box", "-o", file]).failure(1, &[words]);

@@ -225,6 +225,20 @@ fn a_link_that_leads_outside_is_refused() {
     }
 }
 
+/// A link to a file does not lead to the files beside that one.
+#[cfg(unix)]
+#[test]
+fn a_shader_that_is_not_beside_a_link_is_explained() {
+    let pipeline = "Pipeline(extends: \"ism.ron\", patch: [Insert(name: \"one\", pass: Pass(kind: \"fullscreen\", \
+                    shader: \"one.wgsl\"), between: (\"filter\", \"image.indirect\"))])";
+    let mine = Folder::new(&[("there/a.ron", pipeline), ("here/b.txt", "")]);
+    std::os::unix::fs::symlink(mine.at("there/a.ron"), mine.at("here/a.ron")).expect("a link");
+    let done = run_in(&mine, &["check", "here/a.ron"])
+        .failure(1, &["error[E021]", "`here/a.ron` is a symbolic link"]);
+    let looked = done.err.lines().chain(done.out.lines()).find(|line| line.contains("looked beside"));
+    assert!(looked.is_some_and(|line| line.contains(", and in ") && !line.contains("radiosity")), "{done}");
+}
+
 #[test]
 fn a_difference_in_samples_is_shown() {
     let expected = "+ samples picture: another in each frame, for image/image, image/direct, image/indirect";

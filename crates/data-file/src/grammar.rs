@@ -133,7 +133,21 @@ pub fn read<T: DeserializeOwned, U>(
     file: u32,
     convert: impl FnOnce(&mut Reader<'_>, T) -> U,
 ) -> Result<U, Diagnostics> {
+    if skip_blanks(&source.text, 0) == source.text.len() {
+        return Err(empty::<T>(source, file).into());
+    }
     parse(source, file, |reader, node| read_node(reader, node, convert))
+}
+
+/// Returns the error of a file without a value.
+fn empty<T: DeserializeOwned>(source: &Arc<Source>, file: u32) -> Diagnostic {
+    let mut reader = Reader { source, file, errors: Vec::new(), bad: HashSet::new(), question: None };
+    let expected = de::expected::<T>(&mut reader);
+    reader.at(
+        &codes::SYNTAX,
+        Place { file, start: 0, end: 0 },
+        format!("the file is empty: expected {expected}"),
+    )
 }
 
 /// Reads the same of a file that may be broken: what can be read of it, with stand-ins for the rest.

@@ -34,6 +34,11 @@ pub fn may_name(by: &Path, path: &Path, roots: &[PathBuf]) -> bool {
     own.is_some_and(|own| inside(&own)) || inside(Path::new(".")) || roots.iter().any(|root| inside(root))
 }
 
+/// Returns whether there is a symbolic link at a path, from the working folder.
+pub fn is_link(path: &str) -> bool {
+    Path::new(path).is_symlink()
+}
+
 /// Returns the path of the file that the file at `by` means by `path`, from its own folder: `pipelines/a.ron` means
 /// `pipelines/parts/b.ron` by `parts/b.ron`. `None` for a path from the root of the disk.
 pub fn beside(by: &str, path: &str) -> Option<String> {

@@ -66,12 +66,15 @@ pub(crate) fn import(path: &Path, roots: &[PathBuf], budget: &Budget) -> Result<
         buffers: Vec::new(),
         files: Vec::new(),
         repairs: Vec::new(),
+        of_primitives: Vec::new(),
     };
+    importer.check_version()?;
     importer.check_extensions()?;
     importer.read_buffers(blob)?;
     let Materials { materials, textures, uv_sets } = importer.materials()?;
     let mut model = Model { materials, textures, ..Model::default() };
     model.meshes = importer.meshes(&uv_sets, &mut model.materials)?;
+    importer.tell_of_primitives();
     importer.nodes(&mut model)?;
     model.repairs = importer.repairs;
     Ok(Imported { model: Rc::new(model), files: importer.files })
@@ -111,6 +114,8 @@ pub(super) struct Importer<'a> {
     buffers: Vec<Vec<u8>>,
     files: Vec<PathBuf>,
     repairs: Vec<String>,
+    /// What many primitives may share: the repair, the first that has it, and the number of them.
+    of_primitives: Vec<(&'static str, String, usize)>,
 }
 
 impl<'a> Importer<'a> {
@@ -122,6 +127,49 @@ impl<'a> Importer<'a> {
     fn get<T>(&self, list: &'a [T], index: usize, what: &str, place: &str) -> Result<&'a T, SceneError> {
         list.get(index)
             .ok_or_else(|| self.wrong(place, format!("there is no {what} {index}: there are {}", list.len())))
+    }
+
+    /// Checks that the file is of a version that is read. A file of a later one says in `minVersion` whether it can be.
+    fn check_version(&self) -> Result<(), SceneError> {
+        let asset = &self.root.asset;
+        let parts = |version: &str| {
+            let (major, minor) = version.split_once('.')?;
+            Some((major.parse::<u32>().ok()?, minor.parse::<u32>().ok()?))
+        };
+        let (place, least) = match &asset.min_version {
+            Some(version) => ("asset.minVersion", version),
+            None => ("asset.version", &asset.version),
+        };
+        let is_read = match parts(least) {
+            Some((2, minor)) => minor == 0 || asset.min_version.is_none(),
+            _ => false,
+        };
+        let least: String = least.chars().take(20).collect();
+        if is_read {
+            Ok(())
+        } else {
+            Err(self.wrong(place, format!("the file is of glTF {least}; 2.0 is read")))
+        }
+    }
+
+    /// Notes a repair of a primitive, once for all that need it.
+    fn repair_primitive(&mut self, what: &'static str, place: &str) {
+        match self.of_primitives.iter_mut().find(|(other, ..)| *other == what) {
+            Some((.., count)) => *count += 1,
+            None => self.of_primitives.push((what, place.to_owned(), 1)),
+        }
+    }
+
+    /// Tells the repairs of primitives.
+    fn tell_of_primitives(&mut self) {
+        for (what, first, count) in self.of_primitives.drain(..) {
+            let more = match count - 1 {
+                0 => String::new(),
+                1 => " and one more".to_owned(),
+                more => format!(" and {more} more"),
+            };
+            self.repairs.push(format!("{first}{more}: {what}"));
+        }
     }
 
     fn check_extensions(&mut self) -> Result<(), SceneError> {

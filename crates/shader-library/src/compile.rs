@@ -6,13 +6,14 @@ use crate::extent;
 use crate::library::Library;
 use crate::reflect::resources;
 use crate::scan::unclosed_brace;
-use data_file::{Diagnostic, Diagnostics};
+use data_file::{Diagnostic, Diagnostics, nearest};
 use naga::common::wgsl::TypeContext;
 use naga::front::wgsl::ParseError;
 use naga::valid::{
     CallError, EntryPointError, FunctionError, ModuleInfo, ValidationError, ValidationFlags, Validator,
 };
 use naga::{Module, ResourceBinding, Scalar, TypeInner, VectorSize, WithSpan};
+use std::collections::BTreeSet;
 use std::error::Error;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
@@ -78,7 +79,18 @@ fn refused(composed: &Composed, error: &ParseError) -> Diagnostic {
         message = format!("this `{{` is not closed ({message})");
         labels.insert(0, (brace as u32..brace as u32 + 1, "opened here".to_owned()));
     }
-    composed.diagnostic(&codes::WGSL, message, labels, error.notes().map(str::to_owned))
+    let near = near(&composed.text, &message).map(|near| format!("did you mean `{near}`?"));
+    composed.diagnostic(&codes::WGSL, message, labels, error.notes().map(str::to_owned).chain(near))
+}
+
+/// Returns the name of a text that is nearest to the one that an error of the parser says is not there.
+fn near<'a>(text: &'a str, message: &str) -> Option<&'a str> {
+    let of = |before: &str| message.strip_prefix(before)?.strip_suffix('`');
+    let wrong = of("no definition in scope for identifier: `").or_else(|| of("invalid field accessor `"))?;
+    let code = text.lines().map(|line| line.split("//").next().unwrap_or_default());
+    let words = code.flat_map(|line| line.split(|c: char| !(c.is_alphanumeric() || c == '_')));
+    let names: BTreeSet<&str> = words.filter(|word| word.len() > 1 && *word != wrong).collect();
+    nearest(wrong, names)
 }
 
 /// An error of the validator.

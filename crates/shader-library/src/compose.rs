@@ -15,6 +15,9 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
+/// The greatest number of folders that an error lists.
+const SHOWN_FOLDERS: usize = 4;
+
 /// The longest shader with all that it imports, in bytes: fifty times the longest of this tree, and compiled in seconds
 /// however it is made.
 const MAX_BYTES: usize = 4 << 20;
@@ -578,6 +581,12 @@ impl Composer<'_> {
             .chain(roots)
             .chain(self.files.elsewhere())
             .collect();
-        notes.push(format!("looked in {}", folders.join(", then ")));
+        // The folders of interfaces are many, and no place for files of a user's own.
+        let more = match folders.len() {
+            0..=SHOWN_FOLDERS => String::new(),
+            count => format!(", and in {} more", count - SHOWN_FOLDERS),
+        };
+        let shown = &folders[..folders.len().min(SHOWN_FOLDERS)];
+        notes.push(format!("looked in {}{more}", shown.join(", then ")));
     }
 }

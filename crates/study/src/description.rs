@@ -4,7 +4,10 @@ mod claim;
 mod consistency;
 mod read;
 
+use crate::codes;
+use crate::laboratory::Registry;
 use crate::measure::Measure;
+use crate::plan::Plan;
 use crate::record::AxisValue;
 use data_file::codes::Code;
 use data_file::grammar::Expected;
@@ -257,6 +260,32 @@ pub fn expected(text: &str, at: usize) -> Expected {
 /// If the text is not RON, or not a study.
 pub fn parse(source: Arc<Source>) -> Result<Study, Diagnostics> {
     read::parse(source)
+}
+
+/// Reads a study as [`parse`] does. Where something is wrong in the text, the names of scenes, pipelines and values are
+/// looked up all the same, so that a file with errors of both sorts has them at once.
+///
+/// # Errors
+/// If the text is not RON, or not a study.
+pub fn parse_with(source: Arc<Source>, registry: &dyn Registry) -> Result<Study, Diagnostics> {
+    parse(Arc::clone(&source)).map_err(|mut errors| {
+        let looked_up = read::parse_broken(&source).and_then(|study| Plan::new(study, registry).err());
+        // What else is wrong may follow from what stands in for that which could not be read.
+        let names = [&codes::SCENE, &codes::PIPELINE, &codes::PATH, &codes::OUTPUT].map(|code| code.code);
+        let meets = |a: &Span, b: &Span| a.start < b.end.max(b.start + 1) && b.start < a.end.max(a.start + 1);
+        let known: Vec<Span> =
+            errors.0.iter().flat_map(|error| &error.labels).map(|label| label.span.clone()).collect();
+        let is_written = |span: &Span| {
+            Arc::ptr_eq(&span.source, &source) && source.text[span.start as usize..].starts_with('"')
+        };
+        let is_new = |error: &Diagnostic| {
+            let mut spans = error.labels.iter().map(|label| &label.span);
+            names.contains(&error.code)
+                && spans.all(|span| is_written(span) && !known.iter().any(|other| meets(other, span)))
+        };
+        errors.0.extend(looked_up.into_iter().flat_map(|found| found.0).filter(is_new));
+        Diagnostics::sorted(errors.0)
+    })
 }
 
 impl Budget {

@@ -29,7 +29,7 @@ mod table;
 
 pub use claim::{Finding, Verdict};
 pub use cost::{Costs, SHARD_MINUTES, UNKNOWN_SECONDS};
-pub use description::{Claim, Pick, Relation, Study, parse};
+pub use description::{Claim, Pick, Relation, Study, parse, parse_with};
 pub use edit::Edits;
 pub use error::{Failure, StudyError};
 pub use interval::Interval;

@@ -8,9 +8,9 @@
 use super::node::{Node, Number, Shape};
 use super::{Reader, SPANNED};
 use crate::codes;
-use crate::diagnostic::{Diagnostic, MAX_QUOTED, Place, shortened};
+use crate::diagnostic::{Diagnostic, MAX_QUOTED, Place, nearest, shortened};
 use serde::de::value::{StrDeserializer, U32Deserializer};
-use serde::de::{self, DeserializeSeed, Deserializer, Expected, IntoDeserializer, Visitor};
+use serde::de::{self, DeserializeOwned, DeserializeSeed, Deserializer, Expected, IntoDeserializer, Visitor};
 use serde::forward_to_deserialize_any;
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -36,6 +36,18 @@ impl de::Error for Refusal {
 }
 
 type Result<T> = std::result::Result<T, Refusal>;
+
+/// Returns what a type expects, as errors say it.
+pub(super) fn expected<T: DeserializeOwned>(reader: &mut Reader<'_>) -> String {
+    let answer = Rc::new(RefCell::new(String::new()));
+    let place = Place { file: reader.file, start: 0, end: 0 };
+    let reader = RefCell::new(reader);
+    let at = At::Asked(Rc::clone(&answer));
+    let de = De { reader: &reader, at, place, key: "".into(), form: None, expected: None, tuple: false };
+    // What is read of nothing is a stand-in.
+    let _ = T::deserialize(de);
+    answer.take()
+}
 
 /// What a deserializer reads.
 #[derive(Clone, Debug)]
@@ -187,22 +199,40 @@ impl<'r, 's> De<'r, 's> {
     ) -> Vec<At<'r>> {
         let mut values = vec![At::Absent; known.len()];
         let mut places = vec![self.place; known.len()];
+        let (mut unknown, mut again) = (Vec::new(), Vec::new());
         let mut reader = self.reader.borrow_mut();
         for (name, value) in fields {
             let place = reader.place(name);
             match known.iter().position(|known| *known == name.text()) {
-                None => {
-                    let quoted = shortened(name.text(), MAX_QUOTED);
-                    let message = format!("`{form}` has no field `{quoted}`");
-                    let error = Diagnostic::new(&codes::UNKNOWN_FIELD, message);
-                    reader.report_bad(error.suggest("fields", name.text(), known.iter().copied()), place);
-                }
+                None => unknown.push(name),
                 Some(index) if matches!(values[index], At::Absent) => {
                     values[index] = At::Value(value);
                     places[index] = place;
                 }
-                Some(index) => reader.duplicate(&format!("field `{}`", name.text()), place, places[index]),
+                Some(index) => again.push((name, index)),
             }
+        }
+        for name in unknown {
+            let text = name.text();
+            let message = format!("`{form}` has no field `{}`", shortened(text, MAX_QUOTED));
+            let error = Diagnostic::new(&codes::UNKNOWN_FIELD, message);
+            // What is absent is meant before what is there too.
+            let absent = || (0..known.len()).filter(|index| matches!(values[*index], At::Absent));
+            let near = nearest(text, absent().map(|index| known[index]))
+                .or_else(|| absent().map(|index| known[index]).find(|known| shares_a_word(text, known)));
+            let error = error.suggest("fields", near.unwrap_or(text), known.iter().copied());
+            if let Some(index) = known.iter().position(|known| Some(*known) == near) {
+                // It is this field by another name, and not missing too; what a stand-in gives is not reported.
+                values[index] = At::Bad;
+                let form = reader.head(self.place);
+                reader.bad.insert((form.start, form.end));
+            }
+            let place = reader.place(name);
+            reader.report_bad(error, place);
+        }
+        for (name, index) in again {
+            let place = reader.place(name);
+            reader.duplicate(&format!("field `{}`", name.text()), place, places[index]);
         }
         values
     }
@@ -270,6 +300,11 @@ impl<'r, 's> De<'r, 's> {
         let found = names.iter().find_map(|name| find(name)).or_else(|| find("Other"))?;
         Some((found, found == "Tuple"))
     }
+}
+
+/// Returns whether two names have a word in common: `outer_angle` and `outer_deg`.
+fn shares_a_word(a: &str, b: &str) -> bool {
+    a.split('_').any(|word| word.len() >= 3 && b.split('_').any(|other| other == word))
 }
 
 /// Returns what stands in backticks in a text, each with the word with which it begins.

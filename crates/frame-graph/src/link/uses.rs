@@ -204,7 +204,7 @@ impl<'a> Linker<'a> {
             error.setting.as_ref().and_then(|name| decl.set.iter().find(|s| s.name.value == **name));
         let link = error.input.as_ref().and_then(|name| decl.link(name));
         let out = error.output.as_ref().and_then(|name| decl.outs.iter().find(|o| o.port.value == **name));
-        let place = setting.map(|s| s.place).or(link.map(|l| l.place)).or(out.map(|o| o.port.place));
+        let place = setting.map(|s| s.place).or(link.map(|l| l.port.place)).or(out.map(|o| o.port.place));
         let shader = shader.as_ref().filter(|_| error.shader).map(|shader| shader.place);
         let place = place.or(shader);
         let mut diagnostic = Diagnostic::new(
@@ -220,6 +220,13 @@ impl<'a> Linker<'a> {
         };
         if let Some(help) = &error.help {
             diagnostic = diagnostic.note(help.clone());
+        }
+        if let Some(file) = shader.map(|place| self.span(place).source.name.clone())
+            && data_file::paths::is_link(&file)
+        {
+            diagnostic = diagnostic.note(format!(
+                "`{file}` is a symbolic link: what it names is looked for beside the link, not beside what that leads to"
+            ));
         }
         self.errors.push(diagnostic);
     }

@@ -105,7 +105,7 @@ impl Importer<'_> {
             self.repairs.push(format!("{place}: the last {} indices make no triangle", corners.len() % 3));
         }
         if attribute(Semantic::Colors(0)).is_some() {
-            self.repairs.push(format!("{place}: colors of vertices are left out"));
+            self.repair_primitive("colors of vertices are left out", place);
         }
         let targets = self.targets(json, count, place)?;
         let influences = self.influences(json, count, place)?;
@@ -114,7 +114,7 @@ impl Importer<'_> {
             Some(normals) => self.with_normals(primitive, normals, place),
             None => {
                 self.take(primitive.indices.len() as u64, primitive.corner_bytes(), place)?;
-                self.repairs.push(format!("{place} has no normals: its triangles are shaded flat"));
+                self.repair_primitive("triangles without normals are shaded flat", place);
                 flat(&primitive)
             }
         }))

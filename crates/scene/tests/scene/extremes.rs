@@ -129,8 +129,10 @@ fn nodes_must_be_a_tree_of_any_depth() {
 fn long_names_are_not_repeated_by_what_is_stated() {
     let mut glb = Glb::new();
     let positions = glb.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0]);
-    let part = json!({ "attributes": { "POSITION": positions } });
-    glb.json["meshes"] = json!([{ "name": "x".repeat(100_000), "primitives": vec![part; 2000] }]);
+    let part = |mode: u32| json!({ "attributes": { "POSITION": positions }, "mode": mode });
+    let (triangle, lines) = (part(4), part(1));
+    let parts: Vec<_> = std::iter::once(triangle).chain(vec![lines; 2000]).collect();
+    glb.json["meshes"] = json!([{ "name": "x".repeat(100_000), "primitives": parts }]);
     glb.push("nodes", json!({ "mesh": 0, "name": "y".repeat(100_000) }));
     let bytes = glb.bytes();
     let scene = mutation::within(LIMIT, move || load_bytes("test.glb", &bytes)).expect("a scene");

@@ -221,9 +221,45 @@ fn a_mesh_without_normals_is_flat_and_stated() {
     let mut glb = Glb::square();
     glb.without_normals();
     let scene = glb.scene();
-    assert_states(&scene, "has no normals");
+    assert_states(&scene, "mesh 0 `mesh`, primitive 0: triangles without normals are shaded flat");
     assert_eq!(scene.vertices.len(), 6, "each corner is a vertex of its own");
     assert!(scene.vertices.iter().all(|v| v.normal == [0.0, 0.0, 1.0]), "by the winding");
+}
+
+#[test]
+fn what_many_primitives_lack_is_stated_once() {
+    let mut glb = Glb::square();
+    glb.without_normals();
+    let primitive = glb.json["meshes"][0]["primitives"][0].clone();
+    glb.json["meshes"][0]["primitives"] = json!([primitive, primitive, primitive]);
+    let scene = glb.scene();
+    let about: Vec<&String> = scene.repairs.iter().filter(|repair| repair.contains("normals")).collect();
+    assert_eq!(about, ["mesh 0 `mesh`, primitive 0 and 2 more: triangles without normals are shaded flat"]);
+}
+
+#[test]
+fn a_file_of_another_version_is_refused() {
+    let load = |asset: serde_json::Value| {
+        let mut glb = Glb::square();
+        glb.json["asset"] = asset;
+        glb.load()
+    };
+    for asset in [
+        json!({ "version": "2.0" }),
+        json!({ "version": "2.1" }),
+        json!({ "version": "2.1", "minVersion": "2.0" }),
+    ] {
+        load(asset.clone()).unwrap_or_else(|error| panic!("{asset}: {error}"));
+    }
+    for (asset, words) in [
+        (json!({ "version": "1.0" }), "asset.version: the file is of glTF 1.0; 2.0 is read"),
+        (json!({ "version": "3.0" }), "asset.version: the file is of glTF 3.0"),
+        (json!({ "version": "two" }), "asset.version: the file is of glTF two"),
+        (json!({ "version": "2.1", "minVersion": "2.1" }), "asset.minVersion: the file is of glTF 2.1"),
+    ] {
+        let error = load(asset.clone()).expect_err("another version").to_string();
+        assert!(error.contains(words), "{asset}: {error}");
+    }
 }
 
 #[test]

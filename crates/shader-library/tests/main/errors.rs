@@ -107,6 +107,14 @@ fn wgsl() {
         "unknown_name",
         "@compute @workgroup_size(1) fn main() {\n    let ä = 1.0; let b = frst + ä;\n}",
     );
+    check_text(
+        "misspelt_name",
+        "@compute @workgroup_size(1) fn main() {\n    let first = 1.0; // firs\n    _ = frst;\n}",
+    );
+    check_text(
+        "misspelt_member",
+        "struct S { past_age: f32 }\n@compute @workgroup_size(1) fn main() {\n    let s = S();\n    _ = s.past_ag;\n}",
+    );
     check_imported("syntax_in_an_import", "// one\nfn inner() {\n    let ä = 1.0 let b = 2.0;\n}\n");
     check_imported("type_in_an_import", "fn inner() {\n    let a: vec3<f32> = vec2<f32>(1.0);\n}\n");
     check_imported(

@@ -10,7 +10,7 @@ use crate::codes;
 use crate::measure::Measure;
 use crate::record::AxisValue;
 use claims::ClaimFile;
-use data_file::grammar::{Entries, Expected, Number, Reader, Spanned, read};
+use data_file::grammar::{Entries, Expected, Number, Reader, Spanned, read, read_broken};
 use data_file::{Diagnostic, Diagnostics, Place, Source, Span};
 use serde::Deserialize;
 use std::sync::Arc;
@@ -26,6 +26,11 @@ pub(super) fn parse(source: Arc<Source>) -> Result<Study, Diagnostics> {
     let study = read(&source, 0, |reader, file| Checks { reader }.study(file))?;
     study.consistent_as_written()?;
     Ok(study)
+}
+
+/// Returns what can be read of a study in which something is wrong.
+pub(super) fn parse_broken(source: &Arc<Source>) -> Option<Study> {
+    read_broken(source, |reader, file| Checks { reader }.study(file))
 }
 
 type Text = Spanned<String>;

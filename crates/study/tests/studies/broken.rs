@@ -76,6 +76,28 @@ fn large_studies_of_one_piece_and_of_many_names_are_refused_fast() {
 }
 
 #[test]
+fn names_are_looked_up_also_where_the_text_has_errors() {
+    let text = "Study(scenes: [\"bax\"], pipelines: [\"fast\", \"fest\"], vary: Grid({\"lihgts\": [32]}), \
+                budget: Frame(1), measures: [\"rmsee\"], seeds: [-1])";
+    let told = study::parse_with(Source::new("x.ron", text), &Shelf).expect_err("it is broken");
+    let codes: Vec<&str> = told.0.iter().map(|error| error.code).collect();
+    assert_eq!(codes, ["T001", "T002", "T003", "E008", "T008", "T012"], "{told}");
+    // Nothing is said about what stands in for what is missing or wrong.
+    for (text, code) in [
+        ("Study(pipelines: [\"fast\"], measures: [\"rmse\"])", "E004"),
+        ("Study(scenes: 5, pipelines: [\"fast\"], measures: [\"rmse\"])", "E005"),
+        ("Study(scenes: [\"box\"], pipelines: [7], measures: [\"rmse\"])", "E005"),
+        (
+            "Study(scenes: [\"box\"], pipelines: [\"fast\"], reference: Pipeline(\"a\", frames: 1), measures: [\"rmse\"])",
+            "E001",
+        ),
+    ] {
+        let told = study::parse_with(Source::new("x.ron", text), &Shelf).expect_err("it is broken");
+        assert_eq!(told.0.iter().map(|error| error.code).collect::<Vec<_>>(), [code], "{told}");
+    }
+}
+
+#[test]
 fn studies_name_no_files_outside_of_their_folders() {
     for (scene, pipeline, picture, code) in [
         ("/etc/passwd", "fast", "a.exr", "T001"),

@@ -186,8 +186,9 @@ fn check_study(
     warnings: &mut Diagnostics,
 ) -> Result<String> {
     let catalog = &context.catalog;
-    let study = ::study::parse(study::source(context, name)?)?;
-    let plan = Plan::new(study, &CatalogRegistry::new(Arc::clone(catalog)))?;
+    let registry = CatalogRegistry::new(Arc::clone(catalog));
+    let study = ::study::parse_with(study::source(context, name)?, &registry)?;
+    let plan = Plan::new(study, &registry)?;
     warnings.0.extend(plan.notes.0.iter().cloned());
     let runs = plan.distinct_runs();
     let (mut errors, mut plans): (Vec<Diagnostic>, _) = (Vec::new(), Vec::new());

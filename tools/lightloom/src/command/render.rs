@@ -248,6 +248,10 @@ fn render(
                 let writing = tracing::info_span!(target: "phase", "encoded and written").entered();
                 let path = out.path(args.first_frame + frame, (args.output.len() > 1).then_some(output));
                 done.broken.look(&picture, output, args.first_frame + frame);
+                // What a screen takes has no infinities: they are in the light that it shows.
+                if output == "display" && renderer.plan().is_some_and(|plan| plan.output("image").is_some()) {
+                    done.broken.look(&renderer.picture("image", 0)?, "image", args.first_frame + frame);
+                }
                 if frame + 1 == frames {
                     bar.suspend(|| explain_black(renderer, &picture, output));
                 }

@@ -175,9 +175,10 @@ fn run_study(context: &Context, args: &Args, file: &str, out: &Path) -> Result<(
         quick: args.quick,
         timing: args.timing,
     };
-    let mut study = study::parse(source(context, file)?)?;
+    let registry = CatalogRegistry::new(Arc::clone(&context.catalog));
+    let mut study = study::parse_with(source(context, file)?, &registry)?;
     study.edit(&edits)?;
-    let plan = Plan::new(study, &CatalogRegistry::new(Arc::clone(&context.catalog)))?;
+    let plan = Plan::new(study, &registry)?;
     if let Some(path) = &args.snakefile {
         return write_snakefile(context, args, file, &plan, path.as_deref());
     }
