@@ -77,6 +77,19 @@ impl Renderer {
         Ok(report)
     }
 
+    /// Returns whether the pipeline or the scene was made from this file.
+    pub fn reads(&self, file: &Path) -> bool {
+        let (path, at) = (self.asset_path(file), place(file));
+        let is = |name: &str| path.as_deref() == Some(name) || place(&self.on_disk(name)) == at;
+        let compiled = self.compiled().into_iter();
+        self.scene().files.iter().any(|file| place(file) == at)
+            || compiled
+                .clone()
+                .flat_map(|compiled| compiled.resolved.sources().iter())
+                .any(|source| is(&source.name))
+            || compiled.flat_map(Compiled::shader_files).any(|file| is(&file))
+    }
+
     /// Returns the folders to watch, with all that is in them, for [`Renderer::reload`]: those of the tree that files
     /// come from, and those of further files that take part.
     pub fn watched_folders(&self) -> Vec<PathBuf> {

@@ -6,6 +6,7 @@ use crate::engine::model::SideId;
 use crate::engine::watch::Saved;
 use crate::terminal;
 use renderer::{Reload, reload_all};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -15,6 +16,7 @@ impl Session {
     /// Loads again what was saved.
     pub(super) fn reload(&mut self, saved: &Saved, waits: &AtomicBool, publisher: &Publisher) {
         let began = Instant::now();
+        let mut read = self.files_read(saved);
         if let Some(spec) = self.wanted_scene.clone() {
             self.set_scene(&spec, publisher);
         }
@@ -57,13 +59,15 @@ impl Session {
         let since_save = saved.at.and_then(|at| at.elapsed().ok()).filter(|time| *time < RECENT);
         let since_save = since_save.map(|time| time.as_secs_f64() * 1e3);
         let ms = began.elapsed().as_secs_f64() * 1e3;
-        let files: Vec<String> = saved
-            .files
+        read.extend(self.files_read(saved));
+        // What is only beside them may have been missed before.
+        let read = if read.is_empty() { saved.files.clone() } else { read };
+        let files: Vec<String> = read
             .iter()
             .take(3)
             .filter_map(|file| Some(file.file_name()?.to_string_lossy().into_owned()))
             .collect();
-        let more = saved.files.len().saturating_sub(files.len());
+        let more = read.len().saturating_sub(files.len());
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         let gone: Vec<String> = saved.files.iter().filter_map(|file| self.replaced(file)).collect();
         let gone = if gone.is_empty() {
@@ -80,6 +84,13 @@ impl Session {
         terminal::say(&line);
         publisher.with(|published| published.reload_ms = since_save.map(|ms| ms as f32));
         report(publisher, &line, false);
+    }
+
+    /// Returns the saved files that pipelines or the scene are made from: others may lie in their folders, as those that the
+    /// window writes itself.
+    fn files_read(&self, saved: &Saved) -> BTreeSet<PathBuf> {
+        let is_read = |file: &&PathBuf| self.sides.iter().any(|(_, side)| side.renderer.reads(file));
+        saved.files.iter().filter(is_read).cloned().collect()
     }
 
     /// Returns the path in the tree of a file that is gone, where one is built into the program that takes its place.
