@@ -1,6 +1,7 @@
 //! The application: the content of the window, and its reaction to input.
 
 use crate::action::{Action, Tab, View, table};
+use crate::auto::Auto;
 use crate::editor::Editor;
 use crate::edits::{Saved, Settings};
 use crate::engine::{Command, Engine, Look, Measures, Published, SceneView, SideId, Start};
@@ -112,6 +113,10 @@ pub(crate) struct App {
     pub(crate) virtual_lights: bool,
     /// Whether passes are timed.
     pub(crate) timing: bool,
+    /// Whether all passes run in every frame.
+    pub(crate) runs_everything: bool,
+    /// The resolution that is chosen by how long frames take.
+    pub(crate) auto: Auto,
     /// Whether the reference is wanted.
     pub(crate) reference: bool,
     /// Whether B is shown where the view flickers.
@@ -190,6 +195,8 @@ impl App {
             bare: false,
             virtual_lights: false,
             timing: true,
+            runs_everything: false,
+            auto: Auto::default(),
             reference: false,
             flicked: false,
             graph: panel::graph::Graph::default(),
@@ -221,6 +228,7 @@ impl App {
         let before = std::mem::replace(&mut self.now, now);
         self.take_scene(before.scene.as_ref());
         self.take_settings();
+        self.follow_auto();
         self.hold_open(ui.ctx());
         self.pilot.time.take_if(|time| *time == self.now.time || self.now.playing);
         if let Some(dark) = self.remembered.dark {
@@ -427,6 +435,9 @@ impl App {
             SideId::Reference => {}
         }
         self.controls.forget(side);
+        if side == SideId::A {
+            self.auto = Auto::default();
+        }
         self.settings.retain(|(known, ..)| *known != side);
         self.settings.push((side, name.to_owned(), overrides.clone()));
         self.settings.sort_by_key(|(side, ..)| *side);
@@ -448,6 +459,7 @@ impl App {
         self.remembered.camera = None;
         self.scene_panel = panel::scene::ScenePanel::default();
         self.saved.take_lights(None);
+        self.auto = Auto::default();
         // Lights and cameras of one scene mean nothing in another.
         self.history = History::default();
         self.engine.send(Command::Scene(name.to_owned()));

@@ -10,6 +10,7 @@
 
 mod action;
 mod app;
+mod auto;
 mod camera;
 mod editor;
 mod edits;

@@ -5,6 +5,7 @@ mod history;
 mod layout;
 mod leave;
 mod scene;
+mod times;
 
 use crate::action::{Action, Tab, View};
 use crate::app::{App, Remembered};
@@ -66,6 +67,11 @@ fn window(pipeline: &str, scene: &str) -> Option<Window> {
 
 /// Opens the window; `None` where there is no adapter.
 fn opened(pipeline: &str, scene: &str) -> Option<Window> {
+    remembering(pipeline, scene, Remembered { resolution: 0.125, ..Remembered::default() })
+}
+
+/// Opens the window with what it remembers; `None` where there is no adapter.
+fn remembering(pipeline: &str, scene: &str, remembered: Remembered) -> Option<Window> {
     if Gpu::adapters().is_empty() {
         eprintln!("skipped: no graphics adapter");
         return None;
@@ -79,7 +85,6 @@ fn opened(pipeline: &str, scene: &str) -> Option<Window> {
         size: (64, 48),
         seed: 0,
     };
-    let remembered = Remembered { resolution: 0.125, ..Remembered::default() };
     let lazy = Lazy { start: Some((start, remembered)), app: None };
     let builder = Harness::builder().with_size([1500.0, 1000.0]).with_step_dt(1.0 / 30.0);
     Some(builder.build_ui_state(|ui, lazy: &mut Lazy| lazy.show(ui), lazy))
@@ -251,6 +256,25 @@ fn a_scene_that_is_not_there_at_the_start_is_waited_for() {
     pump(&mut harness, |app| shows_a_picture(app) && app.now.troubles.is_empty());
     let scene = harness.state().now.scene.clone().unwrap();
     assert_eq!(scene.scene.name, "late");
+}
+
+/// Files that lie beside a pipeline and are no part of it are not said to be read: what the window writes itself, logs.
+#[test]
+fn only_what_takes_part_is_read_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name);
+    let text = |about: &str| format!("Pipeline(extends: \"ism-invtm.ron\", about: {about:?})");
+    std::fs::write(file("own.ron"), text("first")).unwrap();
+    let Some(mut harness) = window(&file("own.ron").display().to_string(), "plane") else { return };
+    for name in ["state.ron", "a.log", "picture.png"] {
+        std::fs::write(file(name), "x").unwrap();
+    }
+    std::fs::write(file("own.ron"), text("second")).unwrap();
+    let read =
+        |app: &App| app.now.messages.iter().find(|m| m.text.contains("read again")).map(|m| m.text.clone());
+    pump(&mut harness, |app| read(app).is_some());
+    let line = read(harness.state()).unwrap();
+    assert!(line.starts_with("own.ron read again"), "{line}");
 }
 
 #[test]

@@ -68,6 +68,10 @@ pub(crate) enum Command {
     Measure(Measures),
     /// Whether each pass is timed.
     Timing(bool),
+    /// Whether every pass of A and B runs in every frame, also where nothing changes: for measurements.
+    RunEverything(bool),
+    /// Forgets the times so far.
+    ForgetTimes,
     /// Writes something into a file, or sends it.
     Job(Job),
     /// Ends the session.

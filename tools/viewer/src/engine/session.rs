@@ -64,6 +64,7 @@ pub(super) struct Session {
     wants_lights: bool,
     lights_before: Vec<VirtualLight>,
     timed: bool,
+    runs_everything: bool,
     measuring: Measuring,
     /// The times of the frames of A within the last second; the last two in any case.
     made: Vec<Instant>,
@@ -123,6 +124,7 @@ impl Session {
             wants_lights: false,
             lights_before: Vec::new(),
             timed: true,
+            runs_everything: false,
             measuring: Measuring::start(),
             made: Vec::new(),
             due: now,
@@ -283,6 +285,13 @@ impl Session {
                 self.timed = timed;
                 self.sides.iter_mut().for_each(|(_, side)| side.time(timed));
             }
+            Command::RunEverything(all) => {
+                self.runs_everything = all;
+                for (id, side) in &mut self.sides {
+                    side.run_everything(all && *id != SideId::Reference);
+                }
+            }
+            Command::ForgetTimes => self.sides.iter_mut().for_each(|(_, side)| side.forget_times()),
             Command::Job(job) => self.run_job(&job, quits, publisher),
         }
         Next::GoOn
@@ -303,6 +312,7 @@ impl Session {
                 }
                 let mut side = Side::new(renderer);
                 side.time(self.timed);
+                side.run_everything(self.runs_everything && id != SideId::Reference);
                 let at = self.sides.partition_point(|(known, _)| *known < id);
                 self.sides.insert(at, (id, side));
                 at
@@ -421,6 +431,7 @@ impl Session {
                 report(publisher, &format!("{}: {error}", id.name()), true);
             }
             side.loaded(&self.catalog);
+            side.forget_times();
         }
         self.move_on();
     }

@@ -31,6 +31,10 @@ pub(super) struct Side {
     ran: Vec<bool>,
     times: Arc<Vec<PassTimes>>,
     timed_frame: Option<u64>,
+    /// The first frame whose times count.
+    times_from: u64,
+    /// Whether all passes run in every frame.
+    runs_everything: bool,
     whole: PassTimes,
     progress: Option<Progress>,
     /// Whether the last frame ran nothing.
@@ -52,6 +56,8 @@ impl Side {
             ran: Vec::new(),
             times: Arc::default(),
             timed_frame: None,
+            times_from: 0,
+            runs_everything: false,
             whole: PassTimes::default(),
             progress: None,
             idle: false,
@@ -86,6 +92,24 @@ impl Side {
         self.times = Arc::default();
     }
 
+    /// Forgets the times: those of another resolution, or at the user's wish.
+    pub(super) fn forget_times(&mut self) {
+        self.whole = PassTimes::default();
+        self.times = Arc::new(vec![PassTimes::default(); self.times.len()]);
+        self.times_from = self.renderer.report().frame + 1;
+    }
+
+    /// Sets whether all passes run in every frame.
+    pub(super) fn run_everything(&mut self, all: bool) {
+        self.runs_everything = all;
+        self.idle = false;
+    }
+
+    /// The times of whole frames.
+    pub(super) fn whole(&self) -> &PassTimes {
+        &self.whole
+    }
+
     /// Whether the next frame is the first of the pipeline.
     pub(super) fn is_new(&self) -> bool {
         self.frames == 0
@@ -114,6 +138,9 @@ impl Side {
     /// Runs a frame and reads its picture.
     pub(super) fn frame(&mut self) -> Result<(), RenderError> {
         let begun = Instant::now();
+        if self.runs_everything {
+            self.renderer.run_everything();
+        }
         let report = self.renderer.frame()?;
         let (frame, encoded) = (report.frame, begun.elapsed());
         let encoding = report.encoding.clone();
@@ -128,7 +155,8 @@ impl Side {
             self.whole.set_cpu(encoded.as_secs_f64() * 1e3);
         }
         self.progress = self.renderer.progress()?;
-        self.idle = !ran || self.progress.is_some_and(|progress| progress.is_done());
+        let done = !ran || self.progress.is_some_and(|progress| progress.is_done());
+        self.idle = done && !self.runs_everything;
         self.take_times(frame, &encoding);
         Ok(())
     }
@@ -155,7 +183,7 @@ impl Side {
         for (pass, ms) in passes.iter_mut().zip(encoding).filter(|(_, ms)| **ms > 0.0) {
             pass.set_cpu(*ms);
         }
-        let Some(newest) = newest else { return };
+        let Some(newest) = newest.filter(|newest| newest.frame >= self.times_from) else { return };
         // The first frame of a pipeline is that in which the driver compiles.
         let first = self.timed_frame.is_none() && newest.frame == frame;
         self.timed_frame = Some(newest.frame);

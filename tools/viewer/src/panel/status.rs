@@ -12,18 +12,6 @@ const RESOLUTIONS: [(f32, &str); 5] =
 /// The window's width from which on the line has all that can be in it.
 const WIDE: f32 = 1200.0;
 
-impl App {
-    /// Returns the pixels of a frame per pixel of the screen, in each direction.
-    pub(crate) fn resolution(&self) -> f32 {
-        match self.remembered.resolution {
-            chosen if chosen > 0.0 => chosen,
-            // A processor takes a hundred times as long.
-            _ if self.now.on_cpu => 0.5,
-            _ => 1.0,
-        }
-    }
-}
-
 /// A rate with two digits where it is small.
 fn per_second(rate: f32) -> String {
     if rate < 9.95 { format!("{rate:.1}") } else { format!("{rate:.0}") }

@@ -9,6 +9,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+/// A frame that takes longer than this is announced: what is shown meanwhile is old \[ms\].
+const SLOW: f32 = 400.0;
+
 impl Session {
     /// Runs a frame of each side that has something to do, or of one alone, and publishes the results.
     pub(super) fn frames(&mut self, publisher: &Publisher, only: Option<SideId>, waits: &AtomicBool) {
@@ -25,11 +28,14 @@ impl Session {
                 continue;
             }
             let first = side.is_new().then(|| side.renderer.pipeline_name().to_owned());
+            let slow = side.whole().last().is_some_and(|ms| ms > SLOW);
             if let Some(name) = &first {
                 publisher.stage(Some(format!("Rendering the first frame of {name}")));
+            } else if slow {
+                publisher.stage(Some(format!("Rendering a frame of {}", id.name())));
             }
             let done = side.frame();
-            if first.is_some() {
+            if first.is_some() || slow {
                 publisher.stage(None);
             }
             match done {

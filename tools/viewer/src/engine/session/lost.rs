@@ -49,6 +49,7 @@ impl Session {
         let (pipeline, overrides) = first.unwrap_or_default();
         let mut commands = vec![
             Command::Timing(self.timed),
+            Command::RunEverything(self.runs_everything),
             Command::Camera(self.camera, true),
             Command::Lights(self.lights),
             Command::Time(self.time),

@@ -1,0 +1,48 @@
+//! Times of passes, and what is chosen by them.
+
+use super::{pump, remembering, window};
+use crate::app::{App, Remembered};
+use crate::engine::{Command, SideId, SideView};
+
+fn a(app: &App) -> &SideView {
+    app.now.side(SideId::A).unwrap()
+}
+
+#[test]
+fn every_pass_runs_in_every_frame_where_that_is_asked_for() {
+    let Some(mut harness) = window("ism-invtm", "plane") else { return };
+    pump(&mut harness, |app| a(app).idle);
+    let frames = a(harness.state()).frames;
+    harness.state().engine.send(Command::RunEverything(true));
+    pump(&mut harness, |app| a(app).frames > frames + 5 && a(app).ran.iter().all(|ran| *ran));
+    pump(&mut harness, |app| a(app).times.iter().all(|times| times.all().len() > 3));
+    harness.state().engine.send(Command::RunEverything(false));
+    pump(&mut harness, |app| a(app).idle);
+}
+
+#[test]
+fn times_begin_again_with_another_resolution() {
+    let Some(mut harness) = window("ism-invtm", "plane") else { return };
+    harness.state().engine.send(Command::RunEverything(true));
+    pump(&mut harness, |app| a(app).whole.all().len() > 8 && a(app).times[0].all().len() > 4);
+    harness.state().engine.send(Command::RunEverything(false));
+    pump(&mut harness, |app| a(app).idle);
+    let before = a(harness.state()).plan.frame;
+    harness.state_mut().remembered.resolution = 0.25;
+    pump(&mut harness, |app| a(app).plan.frame != before && a(app).idle);
+    let side = a(harness.state());
+    assert!(side.whole.all().len() < 5, "{} frames", side.whole.all().len());
+    assert!(side.times.iter().all(|times| times.all().len() < 5));
+}
+
+/// On a processor the first picture is small, and grows where that does not take long.
+#[test]
+fn the_automatic_resolution_begins_small_on_a_processor() {
+    let Some(mut harness) = remembering("ism-invtm", "plane", Remembered::default()) else { return };
+    pump(&mut harness, |app| !app.now.adapter.is_empty());
+    if !harness.state().now.on_cpu {
+        return;
+    }
+    assert_eq!(harness.state().resolution(), 0.125);
+    pump(&mut harness, |app| app.resolution() >= 0.25 && a(app).idle);
+}
