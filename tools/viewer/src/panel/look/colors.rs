@@ -30,7 +30,7 @@ choices! {
 
 impl Channel {
     /// The one number of a texel; of RGB the luminance.
-    fn of(self, pixel: [f32; 4]) -> f32 {
+    pub(super) fn of(self, pixel: [f32; 4]) -> f32 {
         match self {
             Channel::Red => pixel[0],
             Channel::Green => pixel[1],

@@ -1,9 +1,11 @@
 //! The content of a resource: as a picture or as a table.
 
 mod colors;
+mod histogram;
 mod table;
 
 use crate::app::App;
+use crate::edits::counted;
 use crate::engine::{Look, Looked, Published, SideId};
 use crate::panel::{choose_side, labelled};
 use crate::textures::{Shown, Textures};
@@ -14,6 +16,7 @@ use eframe::egui::{
 };
 use frame_graph::plan::Fate;
 use frame_graph::{Plan, ResourceDesc};
+use histogram::Histogram;
 use std::sync::Arc;
 
 /// The resource that is shown, and its presentation.
@@ -31,6 +34,8 @@ pub(crate) struct Inspector {
     index: u32,
     /// The picture that is shown, with its frame, resource, coloring and version.
     shown: Option<(u64, String, Coloring, u64, Arc<egui::ColorImage>)>,
+    /// The counts of its values, with its version.
+    histogram: Option<(u64, Histogram)>,
     versions: u64,
     seen: Rect,
     first_row: usize,
@@ -48,6 +53,7 @@ impl Default for Inspector {
             tile: 0,
             index: 0,
             shown: None,
+            histogram: None,
             versions: 0,
             seen: Rect::NOTHING,
             first_row: 0,
@@ -278,11 +284,27 @@ fn texture_picture(app: &mut App, ui: &mut Ui, looked: &Looked) {
         app.inspector.seen = part(app.inspector.tile, app.inspector.index, size);
     }
     let texture = app.textures.of(ui.ctx(), Shown::Looked, version, &picture);
-    let (least, greatest) = colors::range(&image, app.inspector.coloring.channel);
+    let channel = app.inspector.coloring.channel;
+    if app.inspector.histogram.as_ref().is_none_or(|(of, _)| *of != version) {
+        app.inspector.histogram = Some((version, Histogram::of(&image, channel)));
+    }
     let mut seen = app.inspector.seen;
     let mut under = String::new();
-    let height = (ui.available_height() - 44.0).max(80.0);
-    ui.allocate_ui(vec2(ui.available_width(), height), |ui| {
+    let height = (ui.available_height() - 140.0).max(80.0);
+    let room = vec2(ui.available_width(), height);
+    ui.horizontal(|ui| {
+        let scale = (room / seen.size()).min_elem();
+        for (name, about, wanted) in SCALES {
+            if ui.small_button(name).on_hover_text(about).clicked() {
+                seen = match wanted {
+                    Some(wanted) => Rect::from_center_size(seen.center(), room / wanted),
+                    None => part(app.inspector.tile, app.inspector.index, size),
+                };
+            }
+        }
+        ui.weak(format!("{:.0} %", scale * 100.0)).on_hover_text("Ctrl-wheel: zoom; wheel, drag: move");
+    });
+    ui.allocate_ui(room, |ui| {
         egui::Scene::new().zoom_range(0.01..=64.0).show(ui, &mut seen, |ui| {
             let (rect, response) = ui.allocate_exact_size(size, Sense::hover());
             ui.painter().image(texture.id(), rect, WHOLE, Color32::WHITE);
@@ -298,11 +320,24 @@ fn texture_picture(app: &mut App, ui: &mut Ui, looked: &Looked) {
     });
     app.inspector.seen = seen;
     ui.monospace(if under.is_empty() { "Point at a texel for its value".to_owned() } else { under });
-    ui.weak(format!(
-        "least {least:.4e}, greatest {greatest:.4e}, of {}",
-        app.inspector.coloring.channel.name()
-    ));
+    if let Some((_, histogram)) = &app.inspector.histogram {
+        histogram.show(ui);
+        let not_finite = match histogram.not_finite {
+            0 => String::new(),
+            n => format!("; {} not finite", counted(n, "texel")),
+        };
+        let (least, greatest) = (histogram.least, histogram.greatest);
+        ui.weak(format!("{}: {least:.4e} to {greatest:.4e}{not_finite}", channel.name()));
+    }
 }
+
+/// Scales of a texture \[points per texel\], each with its name; `None` shows all of it.
+const SCALES: [(&str, &str, Option<f32>); 4] = [
+    ("Fit", "Shows all of it, or the tile", None),
+    ("1:1", "A texel is a point of the screen", Some(1.0)),
+    ("4:1", "A texel is four points wide", Some(4.0)),
+    ("16:1", "A texel is sixteen points wide", Some(16.0)),
+];
 
 /// The part of a texture that is seen at first: all of it, or a tile.
 fn part(tile: u32, index: u32, size: egui::Vec2) -> Rect {
