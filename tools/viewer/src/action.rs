@@ -99,6 +99,14 @@ pub(crate) enum Action {
     SceneCamera,
     /// Gives the lights back to the scene.
     SceneLights,
+    /// Opens the dialog for a pipeline.
+    OpenPipeline,
+    /// Opens the dialog for a scene.
+    OpenScene,
+    /// Keeps the picture, to compare with it.
+    Snapshot,
+    /// Shows the picture that was kept, or again what is rendered.
+    FlickSnapshot,
     /// Keeps the camera, to go back to it.
     Bookmark,
     /// Records a key of the camera at the time shown.
@@ -167,6 +175,14 @@ pub(crate) fn table() -> Vec<Entry> {
         entry(A::Play, "Play or stop the animation", plain(Key::P)),
         entry(A::Rewind, "Go to the start of the animation", plain(Key::Home)),
         entry(A::Key, "Record a key of the camera at the time shown", plain(Key::K)),
+        entry(
+            A::OpenScene,
+            "Open a scene from a file",
+            Some(KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::O)),
+        ),
+        entry(A::OpenPipeline, "Open a pipeline from a file", ctrl(Key::O)),
+        entry(A::Snapshot, "Keep the picture as a snapshot", plain(Key::N)),
+        entry(A::FlickSnapshot, "Flicker between the picture and the snapshot", plain(Key::G)),
         entry(A::Bookmark, "Keep the camera as a bookmark", ctrl(Key::B)),
         entry(A::SceneCamera, "Give the camera back to the scene", plain(Key::C)),
         entry(A::SceneLights, "Give the lights back to the scene", plain(Key::B)),

@@ -5,13 +5,16 @@ use crate::auto::Auto;
 use crate::editor::Editor;
 use crate::edits::{Saved, Settings};
 use crate::engine::{Command, Engine, Look, Measures, Published, SceneView, SideId, Start};
+use crate::files::{Beside, remember};
 use crate::history::History;
 use crate::leave::{Leave, Leaving};
 use crate::palette::Palette;
 use crate::panel;
 use crate::panel::look::Inspector;
+use crate::panel::open::{Opening, What};
 use crate::panel::settings::Controls;
 use crate::pilot::Pilot;
+use crate::snapshots::Snapshots;
 use crate::textures::Textures;
 use crate::viewport;
 use eframe::egui::{self, CentralPanel, Context, FontDefinitions, FontFamily, Panel, ScrollArea, Ui};
@@ -54,6 +57,12 @@ pub(crate) struct Remembered {
     pub(crate) dark: Option<bool>,
     /// The camera, where the user moved it, in the scene named above.
     pub(crate) camera: Option<Camera>,
+    /// The files of pipelines that were opened lately, the newest first.
+    pub(crate) recent_pipelines: Vec<String>,
+    /// The same of scenes.
+    pub(crate) recent_scenes: Vec<String>,
+    /// The size of pictures that are written; `None` as they are shown.
+    pub(crate) written_size: Option<(u32, u32)>,
     /// Cameras that the user goes back to.
     pub(crate) bookmarks: Vec<panel::scene::Bookmark>,
 }
@@ -75,6 +84,9 @@ impl Default for Remembered {
             handles: true,
             dark: None,
             camera: None,
+            recent_pipelines: Vec::new(),
+            recent_scenes: Vec::new(),
+            written_size: None,
             bookmarks: Vec::new(),
         }
     }
@@ -126,6 +138,12 @@ pub(crate) struct App {
     pub(crate) writing: panel::write::Writing,
     /// A file that is to be named: what is saved, and the name so far.
     pub(crate) saving: Option<panel::save::Saving>,
+    /// The dialog that opens a file.
+    pub(crate) opening: Option<panel::open::Opening>,
+    /// The files of the working folder.
+    pub(crate) beside: Beside,
+    /// The pictures that were kept.
+    pub(crate) snapshots: Snapshots,
     /// The pipelines and their values as the user asked for them.
     pub(crate) settings: Vec<Settings>,
     /// What of it is in files.
@@ -165,6 +183,12 @@ impl App {
         // What was remembered belongs to another scene, or to a pair that is not asked for.
         let same_scene = remembered.scene == start.scene;
         let camera = remembered.camera.filter(|_| same_scene);
+        if is_file(&start.scene) {
+            remember(&mut remembered.recent_scenes, &start.scene);
+        }
+        if is_file(&start.pipeline) {
+            remember(&mut remembered.recent_pipelines, &start.pipeline);
+        }
         remembered.scene.clone_from(&start.scene);
         remembered.pipeline.clone_from(&start.pipeline);
         let other = remembered.other.clone();
@@ -203,6 +227,9 @@ impl App {
             scene_panel: panel::scene::ScenePanel::default(),
             writing: panel::write::Writing::default(),
             saving: None,
+            opening: None,
+            beside: Beside::default(),
+            snapshots: Snapshots::default(),
             settings,
             saved,
             history: History::default(),
@@ -271,6 +298,7 @@ impl App {
         panel::help::show(self, &context);
         crate::palette::show(self, &context);
         panel::save::show(self, &context);
+        panel::open::show(self, &context);
         crate::leave::show(self, &context);
         self.remember_steps(&context);
         self.request();
@@ -347,7 +375,7 @@ impl App {
 
     /// Whether something is asked for over the window, which keys go to.
     pub(crate) fn asks(&self) -> bool {
-        self.palette.is_some() || self.saving.is_some() || self.leaving.is_some()
+        self.palette.is_some() || self.saving.is_some() || self.leaving.is_some() || self.opening.is_some()
     }
 
     /// Does what an action says.
@@ -390,6 +418,10 @@ impl App {
                     self.scene_panel.record(&self.now, camera, self.time());
                 }
             }
+            Action::OpenPipeline => self.choose_file(What::Pipeline(SideId::A)),
+            Action::OpenScene => self.choose_file(What::Scene),
+            Action::Snapshot => self.keep_snapshot(),
+            Action::FlickSnapshot => self.snapshots.flick(),
             Action::Bookmark => self.bookmark(),
             Action::SaveScene => self.saving = panel::save::Saving::scene(self),
             Action::SaveVariant => self.saving = panel::save::Saving::variant(self, SideId::A),
@@ -434,6 +466,12 @@ impl App {
             SideId::B => name.clone_into(&mut self.remembered.other),
             SideId::Reference => {}
         }
+        if side == SideId::B && self.now.side(SideId::B).is_none() && self.remembered.view == View::One {
+            self.remembered.view = View::Split;
+        }
+        if is_file(name) {
+            remember(&mut self.remembered.recent_pipelines, name);
+        }
         self.controls.forget(side);
         if side == SideId::A {
             self.auto = Auto::default();
@@ -455,6 +493,9 @@ impl App {
     /// Shows another scene.
     pub(crate) fn open_scene(&mut self, name: &str) {
         name.clone_into(&mut self.remembered.scene);
+        if is_file(name) {
+            remember(&mut self.remembered.recent_scenes, name);
+        }
         self.pilot = Pilot::default();
         self.remembered.camera = None;
         self.scene_panel = panel::scene::ScenePanel::default();
@@ -463,6 +504,11 @@ impl App {
         // Lights and cameras of one scene mean nothing in another.
         self.history = History::default();
         self.engine.send(Command::Scene(name.to_owned()));
+    }
+
+    /// Asks for a file to open.
+    pub(crate) fn choose_file(&mut self, what: What) {
+        self.opening = Some(Opening::new(what, std::path::Path::new(".")));
     }
 
     fn swap(&mut self) {
@@ -476,9 +522,20 @@ impl App {
         let path = self.writing.next_screenshot(&self.now);
         let has_display = self.now.side(SideId::A).is_some_and(|side| side.plan.output("display").is_some());
         let output = if has_display { "display" } else { "image" };
-        let job = crate::engine::Job::Picture { side: SideId::A, output: output.to_owned(), layer: 0, path };
+        let job = crate::engine::Job::Picture {
+            side: SideId::A,
+            output: output.to_owned(),
+            layer: 0,
+            path,
+            size: self.remembered.written_size,
+        };
         self.engine.send(Command::Job(job));
     }
+}
+
+/// Whether a name is that of a file, not of something that is built in.
+fn is_file(name: &str) -> bool {
+    std::path::Path::new(name).extension().is_some()
 }
 
 /// The fonts that come with egui; what the one for text lacks (arrows, mathematics) is taken from that for code.

@@ -15,12 +15,14 @@ mod camera;
 mod editor;
 mod edits;
 mod engine;
+mod files;
 mod history;
 mod leave;
 mod painter;
 mod palette;
 mod panel;
 mod pilot;
+mod snapshots;
 mod terminal;
 #[cfg(test)]
 mod tests;
@@ -120,7 +122,8 @@ pub fn run(options: Options) -> Result<(), ViewError> {
                 pipeline: pipeline.unwrap_or_else(|| remembered.pipeline.clone()),
                 scene: scene.unwrap_or_else(|| remembered.scene.clone()),
                 overrides,
-                size: (320, 240),
+                // Until the window says how large it is: a processor takes long for more.
+                size: (96, 72),
                 seed,
             };
             let mut app = App::new(&context.egui_ctx, start, remembered);

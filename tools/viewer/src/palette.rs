@@ -3,9 +3,10 @@
 use crate::action::{Action, table};
 use crate::app::App;
 use crate::engine::SideId;
-use crate::leave::Leave;
+use crate::files::{Kind, kind_of};
+use crate::panel::open::What;
 use eframe::egui::{self, Context, Key, RichText, ScrollArea, TextEdit, Vec2, vec2};
-use frame_graph::Overrides;
+use std::path::Path;
 
 /// The palette while it is open.
 #[derive(Debug, Default)]
@@ -109,40 +110,55 @@ fn matching(mut items: Vec<Item>, text: &str) -> Vec<Item> {
     items
 }
 
-/// A file that the user names: a path that ends as pipelines or scenes do.
+/// A file that the user names: as what its ending and its first word say, or as all that it could be.
 fn typed(text: &str) -> Vec<Item> {
     let text = text.trim();
-    let item = |kind, does| Item { kind, name: text.to_owned(), about: "this file".to_owned(), does };
-    if text.ends_with(".ron") {
-        let mut all = vec![
-            item("pipeline", Does::Pipeline(SideId::A, text.to_owned())),
-            item("compare with", Does::Pipeline(SideId::B, text.to_owned())),
-            item("scene", Does::Scene(text.to_owned())),
-        ];
-        // The first is what Enter opens.
-        if is_scene(text) {
-            all.rotate_right(1);
-        }
-        all
-    } else if text.ends_with(".glb") || text.ends_with(".gltf") {
-        vec![item("scene", Does::Scene(text.to_owned()))]
-    } else {
-        Vec::new()
+    let kind = kind_of(Path::new(text));
+    let mut all = Vec::new();
+    if kind == Some(Kind::Pipeline) || (kind.is_none() && text.ends_with(".ron")) {
+        all.extend(of_pipeline(text));
     }
+    let of_scene = [".ron", ".glb", ".gltf"].iter().any(|ending| text.ends_with(ending));
+    if kind == Some(Kind::Scene) || (kind.is_none() && of_scene) {
+        all.push(of_scene_file(text));
+    }
+    all
 }
 
-/// Whether a RON file says of itself that it is a scene: its first word is `Scene`.
-fn is_scene(path: &str) -> bool {
-    let text = std::fs::read_to_string(path).unwrap_or_default();
-    let of_file = |line: &&str| !line.trim().is_empty() && !line.trim_start().starts_with("//");
-    text.lines().find(of_file).is_some_and(|line| line.trim_start().starts_with("Scene"))
+fn file(kind: &'static str, name: &str, does: Does) -> Item {
+    Item { kind, name: name.to_owned(), about: "this file".to_owned(), does }
+}
+
+fn of_pipeline(name: &str) -> [Item; 2] {
+    [(SideId::A, "pipeline"), (SideId::B, "compare with")]
+        .map(|(side, kind)| file(kind, name, Does::Pipeline(side, name.to_owned())))
+}
+
+fn of_scene_file(name: &str) -> Item {
+    file("scene", name, Does::Scene(name.to_owned()))
+}
+
+/// The files that were opened lately, and those of the working folder.
+fn files(app: &mut App) -> Vec<Item> {
+    let with = |mut all: Vec<String>, recent: &[String]| {
+        all.retain(|name| !recent.contains(name));
+        all.extend_from_slice(recent);
+        all
+    };
+    let pipelines = with(app.beside.of(Kind::Pipeline), &app.remembered.recent_pipelines);
+    let scenes = with(app.beside.of(Kind::Scene), &app.remembered.recent_scenes);
+    let pipelines = pipelines.iter().flat_map(|name| of_pipeline(name));
+    pipelines.chain(scenes.iter().map(|name| of_scene_file(name))).collect()
 }
 
 /// Shows the palette where it is open.
 pub(crate) fn show(app: &mut App, context: &Context) {
     let Some(mut palette) = app.palette.take() else { return };
-    let mut found = matching(items(app, context), &palette.text);
-    found.extend(typed(&palette.text));
+    let mut all = items(app, context);
+    all.extend(files(app));
+    let mut found = matching(all, &palette.text);
+    let named = typed(&palette.text);
+    found.extend(named.into_iter().filter(|item| !found.contains(item)).collect::<Vec<_>>());
     let (up, down, enter, escape) = context.input_mut(|input| {
         let mut pressed = |key| input.consume_key(egui::Modifiers::NONE, key);
         (pressed(Key::ArrowUp), pressed(Key::ArrowDown), pressed(Key::Enter), pressed(Key::Escape))
@@ -195,9 +211,9 @@ pub(crate) fn show(app: &mut App, context: &Context) {
         Some(Does::Act(Action::Palette)) | None => {}
         Some(Does::Act(action)) => app.act(action, context),
         Some(Does::Pipeline(side, name)) => {
-            app.leave(Leave::Pipeline(side, name, Overrides::default()), context);
+            app.open(What::Pipeline(side), name, context);
         }
-        Some(Does::Scene(name)) => app.leave(Leave::Scene(name), context),
+        Some(Does::Scene(name)) => app.open(What::Scene, name, context),
         Some(Does::Bookmark(name)) => app.go_to_bookmark(&name),
         Some(Does::Pass(name)) => {
             app.look_at(SideId::A, &name);
@@ -237,8 +253,14 @@ mod tests {
 
     #[test]
     fn a_path_can_be_opened_as_what_its_ending_says() {
-        assert_eq!(typed("my/variant.ron").len(), 3);
+        assert_eq!(typed("my/variant.ron").len(), 3, "it is not there, and could be anything");
         assert_eq!(typed("model.glb").len(), 1);
         assert!(typed("model").is_empty());
+        let folder = tempfile::tempdir().unwrap();
+        for (text, expected) in [("Scene(", 1), ("Pipeline(", 2)] {
+            let path = folder.path().join("own.ron");
+            std::fs::write(&path, text).unwrap();
+            assert_eq!(typed(&path.display().to_string()).len(), expected, "{text}");
+        }
     }
 }

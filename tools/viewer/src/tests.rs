@@ -1,9 +1,11 @@
 //! The interface by its accessibility tree: what is there has a name, and can be reached by the keyboard.
 
+mod files;
 mod graph;
 mod history;
 mod layout;
 mod leave;
+mod look;
 mod scene;
 mod times;
 

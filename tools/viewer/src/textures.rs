@@ -12,6 +12,8 @@ pub(crate) enum Shown {
     Side(SideId),
     /// The picture of differences.
     Map,
+    /// A picture that was kept.
+    Snapshot,
     /// The resource of the inspector.
     Looked,
 }

@@ -25,6 +25,8 @@ pub(crate) enum Job {
         layer: u32,
         /// The file.
         path: PathBuf,
+        /// The size of the frame; `None` as it is shown.
+        size: Option<(u32, u32)>,
     },
     /// A resource or output to a tev that runs.
     Tev {
@@ -45,6 +47,8 @@ pub(crate) enum Job {
         path: PathBuf,
         /// The number of frames.
         frames: u32,
+        /// The size of the frames; `None` as they are shown.
+        size: Option<(u32, u32)>,
     },
 }
 
@@ -75,10 +79,15 @@ pub(super) fn run(
     mut stage: impl FnMut(String),
 ) -> Result<String> {
     match job {
-        Job::Picture { output, layer, path, .. } => {
+        Job::Picture { output, layer, path, size, .. } => {
+            if let Some(size) = *size {
+                resize(side, size, Some(output), quits, |step| {
+                    stage(format!("Writing {}: {step}", path.display()));
+                })?;
+            }
             let picture = side.renderer.picture(output, *layer)?;
             write(side, &picture, (output, *layer), path)?;
-            Ok(format!("wrote {}", shown(path)))
+            Ok(format!("wrote {} ({}×{})", shown(path), picture.width(), picture.height()))
         }
         Job::Tev { output, layer, .. } => {
             let picture = side.renderer.picture(output, *layer)?;
@@ -93,7 +102,10 @@ pub(super) fn run(
             })?;
             Ok("a frame was run for the graphics debugger; without one nothing was captured".to_owned())
         }
-        Job::Sequence { path, frames, .. } => {
+        Job::Sequence { path, frames, size, .. } => {
+            if let Some(size) = *size {
+                side.renderer.set_size(size)?;
+            }
             let progress = |frame: u32| format!("Writing {}: frame {frame} of {frames}", path.display());
             if is_video(path) {
                 video(side, path, *frames, quits, |frame| stage(progress(frame)))
@@ -101,6 +113,28 @@ pub(super) fn run(
                 sequence(side, path, *frames, quits, |frame| stage(progress(frame)))
             }
         }
+    }
+}
+
+/// Renders in another size until the picture has all of its samples. `kept` is what is read then.
+fn resize(
+    side: &mut Side,
+    size: (u32, u32),
+    kept: Option<&str>,
+    quits: &AtomicBool,
+    mut step: impl FnMut(String),
+) -> Result<()> {
+    side.renderer.set_size(size)?;
+    side.renderer.keep_only(kept)?;
+    loop {
+        if quits.load(Ordering::Acquire) {
+            bail!("the window was closed before the picture was written");
+        }
+        side.frame()?;
+        if !side.converges() {
+            return Ok(());
+        }
+        step(side.step());
     }
 }
 

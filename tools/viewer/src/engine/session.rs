@@ -474,7 +474,12 @@ impl Session {
         publisher.stage(Some(job.describe()));
         let Some((_, side)) = self.sides.iter_mut().find(|(id, _)| *id == job.side()) else { return };
         let done = jobs::run(job, side, quits, |stage| publisher.stage(Some(stage)));
+        // A picture may have been written in another size.
+        let back = side.renderer.set_size(self.size);
         side.loaded(&self.catalog);
+        if let Err(error) = back {
+            report(publisher, &error.to_string(), true);
+        }
         match done {
             Ok(line) => report(publisher, &line, false),
             Err(error) => report(publisher, &format!("{error:#}"), true),

@@ -135,6 +135,12 @@ impl Side {
         self.progress.is_some_and(|progress| !progress.is_done())
     }
 
+    /// Describes how far a result is that takes several frames.
+    pub(super) fn step(&self) -> String {
+        self.progress
+            .map_or(String::new(), |progress| format!("step {} of {}", progress.step, progress.steps))
+    }
+
     /// Runs a frame and reads its picture.
     pub(super) fn frame(&mut self) -> Result<(), RenderError> {
         let begun = Instant::now();

@@ -3,10 +3,11 @@
 use crate::action::{Action, View};
 use crate::app::App;
 use crate::engine::{Command, SideId};
+use crate::files::Kind;
 use crate::leave::Leave;
 use crate::panel::labelled;
+use crate::panel::open::What;
 use eframe::egui::{self, Button, ComboBox, Slider, Ui};
-use frame_graph::Overrides;
 use renderer::Named;
 
 pub(crate) fn show(app: &mut App, ui: &mut Ui) {
@@ -15,25 +16,35 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
         let a =
             app.now.side(SideId::A).map_or_else(|| app.remembered.pipeline.clone(), |side| side.name.clone());
         let pipelines = app.library.pipelines().to_vec();
-        if let Some(name) = choose(ui, "Pipeline A", &a, &pipelines, None) {
-            app.leave(Leave::Pipeline(SideId::A, name, Overrides::default()), &context);
+        let of_files = Lists {
+            recent: app.remembered.recent_pipelines.clone(),
+            beside: app.beside.of(Kind::Pipeline),
+            built_in: &pipelines,
+        };
+        match choose(ui, "Pipeline A", &a, &of_files, None) {
+            Some(Chosen::File) => app.choose_file(What::Pipeline(SideId::A)),
+            Some(Chosen::Name(name)) => app.open(What::Pipeline(SideId::A), name, &context),
+            None => {}
         }
         let scene =
             app.now.scene.as_ref().map_or_else(|| app.remembered.scene.clone(), |s| s.scene.spec.clone());
         let scenes = app.library.scenes().to_vec();
-        if let Some(name) = choose(ui, "Scene", &scene, &scenes, None) {
-            app.leave(Leave::Scene(name), &context);
+        let lists = Lists {
+            recent: app.remembered.recent_scenes.clone(),
+            beside: app.beside.of(Kind::Scene),
+            built_in: &scenes,
+        };
+        match choose(ui, "Scene", &scene, &lists, None) {
+            Some(Chosen::File) => app.choose_file(What::Scene),
+            Some(Chosen::Name(name)) => app.open(What::Scene, name, &context),
+            None => {}
         }
         ui.separator();
         let b = app.now.side(SideId::B).map_or(String::new(), |side| side.name.clone());
-        match choose(ui, "Pipeline B", &b, &pipelines, Some("none")) {
-            Some(name) if name.is_empty() => app.leave(Leave::CloseOther, &context),
-            Some(name) => {
-                app.leave(Leave::Pipeline(SideId::B, name, Overrides::default()), &context);
-                if app.remembered.view == View::One {
-                    app.remembered.view = View::Split;
-                }
-            }
+        match choose(ui, "Pipeline B", &b, &of_files, Some("none")) {
+            Some(Chosen::File) => app.choose_file(What::Pipeline(SideId::B)),
+            Some(Chosen::Name(name)) if name.is_empty() => app.leave(Leave::CloseOther, &context),
+            Some(Chosen::Name(name)) => app.open(What::Pipeline(SideId::B), name, &context),
             None => {}
         }
         if app.now.sides.len() > 1 {
@@ -68,8 +79,26 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     });
 }
 
-/// A list to choose from; returns the name of another one. `none` is what stands for an empty name.
-fn choose(ui: &mut Ui, label: &str, now: &str, all: &[Named], none: Option<&str>) -> Option<String> {
+/// The names in a list.
+struct Lists<'a> {
+    /// Files that were opened lately.
+    recent: Vec<String>,
+    /// Files of the working folder.
+    beside: Vec<String>,
+    /// What is built in.
+    built_in: &'a [Named],
+}
+
+/// What was chosen in a list.
+enum Chosen {
+    /// A name; empty for none.
+    Name(String),
+    /// A file that is to be asked for.
+    File,
+}
+
+/// A list to choose from; returns what is chosen if that is another than now. `none` is what stands for an empty name.
+fn choose(ui: &mut Ui, label: &str, now: &str, lists: &Lists<'_>, none: Option<&str>) -> Option<Chosen> {
     let mut chosen = None;
     let shown = if now.is_empty() { none.unwrap_or_default() } else { now };
     let width = if ui.ctx().content_rect().width() < 1000.0 { 100.0 } else { 150.0 };
@@ -80,12 +109,30 @@ fn choose(ui: &mut Ui, label: &str, now: &str, all: &[Named], none: Option<&str>
         if let Some(none) = none
             && ui.selectable_label(now.is_empty(), none).clicked()
         {
-            chosen = Some(String::new());
+            chosen = Some(Chosen::Name(String::new()));
         }
-        for named in all {
+        if ui.selectable_label(false, "Open a file…").clicked() {
+            chosen = Some(Chosen::File);
+        }
+        let mut files = |ui: &mut Ui, head: &str, names: &[String]| {
+            if !names.is_empty() {
+                ui.weak(head);
+            }
+            for name in names {
+                if ui.selectable_label(name == now, name).clicked() && name != now {
+                    chosen = Some(Chosen::Name(name.clone()));
+                }
+            }
+        };
+        files(ui, "Opened lately", &lists.recent);
+        let others: Vec<String> =
+            lists.beside.iter().filter(|name| !lists.recent.contains(name)).cloned().collect();
+        files(ui, "In this folder", &others);
+        ui.weak("Built in");
+        for named in lists.built_in {
             let response = ui.selectable_label(named.name == now, &named.name);
             if response.on_hover_text(super::library::about(named)).clicked() && named.name != now {
-                chosen = Some(named.name.clone());
+                chosen = Some(Chosen::Name(named.name.clone()));
             }
         }
     });

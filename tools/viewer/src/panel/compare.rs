@@ -9,6 +9,8 @@ use eframe::egui::{Grid, Slider, Ui};
 
 pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     let context = ui.ctx().clone();
+    crate::snapshots::show(app, ui);
+    ui.separator();
     let mut reference = app.reference;
     if ui.checkbox(&mut reference, "Reference: path tracing, which converges while nothing moves").changed() {
         app.act(Action::Reference, &context);

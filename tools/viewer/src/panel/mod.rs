@@ -7,6 +7,7 @@ pub(crate) mod help;
 pub(crate) mod library;
 pub(crate) mod log;
 pub(crate) mod look;
+pub(crate) mod open;
 pub(crate) mod save;
 pub(crate) mod scene;
 pub(crate) mod settings;

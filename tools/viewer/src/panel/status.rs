@@ -31,6 +31,8 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
                 Some(progress) if !progress.is_done() => format!("step {} of {}", progress.step, progress.steps),
                 Some(_) => "converged".to_owned(),
                 _ if side.idle && others => "A is done, others go on".to_owned(),
+                // The picture is that of before what is being done.
+                None if side.idle && app.now.stage.is_some() => format!("frame {} is shown", side.frames),
                 None if side.idle => format!("idle after {}", counted(side.frames as usize, "frame")),
                 None => format!("{} frames/s", per_second(app.now.frames_per_second)),
             };

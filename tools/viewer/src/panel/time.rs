@@ -34,6 +34,9 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
 
 /// Describes what ran in the last frame that had something to do.
 fn ran(side: &SideView) -> String {
+    if side.ran.is_empty() {
+        return "No frame yet".to_owned();
+    }
     let count = side.ran.iter().filter(|ran| **ran).count();
     let (width, height) = side.plan.frame;
     let of = format!("{count} of {} passes", side.plan.passes.len());
@@ -66,7 +69,7 @@ fn table(ui: &mut Ui, id: SideId, side: &SideView) {
             ui.end_row();
         };
         for (i, (pass, times)) in side.plan.passes.iter().zip(side.times.iter()).enumerate() {
-            let ran = side.ran.get(i) == Some(&true);
+            let ran = side.ran.get(i) != Some(&false);
             let kept =
                 ": did not run in the last frame, for nothing that it reads had changed; its times are older";
             let about = format!("{}{}", pass.kind, if ran { "" } else { kept });

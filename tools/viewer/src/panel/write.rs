@@ -42,8 +42,28 @@ impl Writing {
     }
 }
 
+/// The size of what is written, by F12 too.
+fn size_field(app: &mut App, ui: &mut Ui) -> Option<(u32, u32)> {
+    let shown = app.now.side(SideId::A).map_or((320, 240), |side| side.plan.frame);
+    ui.strong("Size");
+    let mut as_shown = app.remembered.written_size.is_none();
+    if ui.checkbox(&mut as_shown, format!("As it is shown: {}×{}", shown.0, shown.1)).changed() {
+        app.remembered.written_size = (!as_shown).then_some((1280, 720));
+    }
+    if let Some((width, height)) = &mut app.remembered.written_size {
+        ui.horizontal(|ui| {
+            labelled(ui, "Width", |ui| ui.add(DragValue::new(width).range(1..=8192).suffix(" px")));
+            labelled(ui, "Height", |ui| ui.add(DragValue::new(height).range(1..=8192).suffix(" px")));
+        });
+        ui.weak("The frame is rendered again in this size. F12 takes it too.");
+    }
+    app.remembered.written_size
+}
+
 pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     let sides: Vec<SideId> = app.now.sides.iter().map(|(id, _)| *id).collect();
+    let size = size_field(app, ui);
+    ui.separator();
     let writing = &mut app.writing;
     choose_side(ui, &sides, &mut writing.side);
     ui.strong("A picture");
@@ -65,7 +85,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     ui.horizontal_wrapped(|ui| {
         if ui.button("Write the picture").clicked() {
             let path = PathBuf::from(writing.path.trim());
-            job = Some(Job::Picture { side, output: output.clone(), layer, path });
+            job = Some(Job::Picture { side, output: output.clone(), layer, path, size });
         }
         if ui.button("Send to tev").on_hover_text(format!("at {}", metrics::tev::ADDRESS)).clicked() {
             job = Some(Job::Tev { side, output, layer });
@@ -88,7 +108,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     });
     if ui.button("Write the animation").clicked() {
         let path = PathBuf::from(writing.sequence.trim());
-        let job = Job::Sequence { side: writing.side, path, frames: writing.frames };
+        let job = Job::Sequence { side: writing.side, path, frames: writing.frames, size };
         app.engine.send(Command::Job(job));
     }
 }

@@ -101,7 +101,8 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
         if app.virtual_lights {
             lights::show(app, ui, *placed, &camera);
         }
-        over_handle |= app.remembered.handles && handles::show(app, ui, number, *placed, &camera);
+        let handles = app.remembered.handles && app.snapshots.shown().is_none();
+        over_handle |= handles && handles::show(app, ui, number, *placed, &camera);
     }
     let pointer = response.hover_pos().or(response.interact_pointer_pos());
     let under = pointer.and_then(|at| placed.iter().find(|placed| placed.rect.contains(at)));
@@ -211,7 +212,13 @@ fn draw(app: &mut App, ui: &Ui, side: SideId, place: Rect, view: View) -> Option
             painter.image(texture.id(), placed.rect, WHOLE, Color32::WHITE);
         }
     }
-    if app.now.sides.len() > 1 && !matches!(view, View::Difference | View::Flip) {
+    if let Some(snapshot) = app.snapshots.shown().filter(|_| side == SideId::A).cloned() {
+        let texture = app.textures.of(ui.ctx(), Shown::Snapshot, snapshot.id, &snapshot.picture);
+        let rect = fit(place, snapshot.picture.size).rect;
+        painter.rect_filled(place, 0.0, Color32::from_gray(16));
+        painter.image(texture.id(), rect, WHOLE, Color32::WHITE);
+        label(&painter, place.left_top(), &format!("Snapshot {}; G shows what is rendered", snapshot.name));
+    } else if app.now.sides.len() > 1 && !matches!(view, View::Difference | View::Flip) {
         let name =
             app.now.side(side).map_or(String::new(), |shown| format!("{}: {}", side.name(), shown.name));
         label(&painter, place.left_top(), &name);
