@@ -10,6 +10,14 @@ pub enum ExecutorError {
         "no graphics adapter was found; on Debian or Ubuntu `apt-get install mesa-vulkan-drivers` gives one that runs on the CPU"
     )]
     NoAdapter,
+    /// No adapter has the name or index.
+    #[error("there is no adapter `{wanted}`; there are: {known}")]
+    NoSuchAdapter {
+        /// What was asked for.
+        wanted: String,
+        /// The adapters, with their indices.
+        known: String,
+    },
     /// The adapter could not create a device.
     #[error("the adapter {adapter} gave no device: {message}")]
     Device {

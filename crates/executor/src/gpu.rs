@@ -44,7 +44,16 @@ impl Gpu {
     /// [`ExecutorError::NoAdapter`] with what to install, or the error of the driver.
     pub fn open() -> Result<Gpu, ExecutorError> {
         let _phase = tracing::info_span!(target: "phase", "adapter and device").entered();
-        pollster::block_on(Self::open_async())
+        pollster::block_on(Self::open_async(None))
+    }
+
+    /// Opens an adapter by its place in [`Gpu::adapters`], from 0, or by a part of its name, without a window.
+    ///
+    /// # Errors
+    /// [`ExecutorError::NoSuchAdapter`] with the adapters that there are, or the error of the driver.
+    pub fn open_adapter(wanted: &str) -> Result<Gpu, ExecutorError> {
+        let _phase = tracing::info_span!(target: "phase", "adapter and device").entered();
+        pollster::block_on(Self::open_async(Some(wanted)))
     }
 
     /// Returns the adapters, with the one that [`Gpu::open`] chooses first.
@@ -70,9 +79,19 @@ impl Gpu {
         (instance, adapters)
     }
 
-    async fn open_async() -> Result<Gpu, ExecutorError> {
+    async fn open_async(wanted: Option<&str>) -> Result<Gpu, ExecutorError> {
         let (instance, adapters) = Self::sorted_adapters().await;
-        let adapter = adapters.first().ok_or(ExecutorError::NoAdapter)?;
+        let names: Vec<String> = adapters.iter().map(|adapter| adapter.get_info().name).collect();
+        let place = wanted.map_or(Some(0), |wanted| place_of(wanted, &names));
+        let adapter = match (place.and_then(|place| adapters.get(place)), wanted) {
+            (Some(adapter), _) => adapter,
+            (None, Some(wanted)) if !names.is_empty() => {
+                let known = names.iter().enumerate().map(|(index, name)| format!("{index}: {name}"));
+                let known = known.collect::<Vec<_>>().join(", ");
+                return Err(ExecutorError::NoSuchAdapter { wanted: wanted.to_owned(), known });
+            }
+            (None, _) => return Err(ExecutorError::NoAdapter),
+        };
         let (device, queue) =
             adapter.request_device(&Self::device_descriptor(adapter)).await.map_err(|error| {
                 ExecutorError::Device { adapter: adapter.get_info().name, message: error.to_string() }
@@ -261,6 +280,15 @@ impl Gpu {
             Err(_) => lost("the driver failed while it was waited for".to_owned()),
         }
     }
+}
+
+/// Returns the place of an adapter that is given by that place or a part of its name.
+fn place_of(wanted: &str, names: &[String]) -> Option<usize> {
+    if let Ok(place) = wanted.parse::<usize>() {
+        return (place < names.len()).then_some(place);
+    }
+    let wanted = wanted.to_lowercase();
+    names.iter().position(|name| !wanted.is_empty() && name.to_lowercase().contains(&wanted))
 }
 
 /// Returns the memory of an adapter: that of the machine where it renders on the processor.

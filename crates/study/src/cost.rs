@@ -138,7 +138,7 @@ impl Plan {
     }
 
     /// Returns the shards if there are to be `parts` of alike cost; some may be empty.
-    pub(crate) fn parts(&self, costs: &Costs, parts: u32) -> Vec<Range<usize>> {
+    pub fn parts(&self, costs: &Costs, parts: u32) -> Vec<Range<usize>> {
         cut(&costs.of_cells(self), &self.units(), parts as usize)
     }
 

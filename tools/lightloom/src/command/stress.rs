@@ -6,7 +6,7 @@ use crate::context::{Context, parse_set, parse_size, set_text, unknown};
 use crate::output::{self, stdout, write};
 use anyhow::{Context as _, Result, bail};
 use frame_graph::{LinkContext, Overrides, Value};
-use renderer::{Compiled, Gpu, compile_options};
+use renderer::{Compiled, compile_options};
 use serde_json::json;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -101,7 +101,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
         path: std::env::current_exe().context("the program that runs does not know where it is")?,
         before: root.map_or_else(Vec::new, |root| vec!["--root".to_owned(), root]),
     };
-    let mut known = GpuLaboratory::new(Arc::clone(&context.catalog), Gpu::open()?);
+    let mut known = GpuLaboratory::open(Arc::clone(&context.catalog), None)?;
     let mut progress = Progress::new();
     let lab = (&child as &dyn Program, &mut known as &mut dyn Laboratory);
     let (mut results, cells) =

@@ -5,6 +5,7 @@ mod progress;
 mod registry;
 mod snakefile;
 mod warnings;
+mod workers;
 
 use crate::context::{Context, Sort, parse_set, parse_size, set_text, unknown};
 use crate::output::{self, stderr, stdout, warn, write};
@@ -49,7 +50,7 @@ pub(crate) struct Args {
     out: Option<PathBuf>,
     /// Write a Snakefile that runs the study in jobs of 10 to 30 minutes (Snakemake, also on Slurm), by default NAME.smk, and
     /// print its path. --costs says how long cells take
-    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, conflicts_with_all = ["out", "shard", "references", "timing"])]
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, conflicts_with_all = ["out", "shard", "references", "timing", "adapter"])]
     snakefile: Option<Option<PathBuf>>,
     /// Minutes that each job of a Snakefile is expected to take
     #[arg(long, value_name = "MINUTES", default_value_t = SHARD_MINUTES, value_parser = above_zero, requires = "snakefile")]
@@ -61,6 +62,12 @@ pub(crate) struct Args {
     /// The folder of a run that has the costs of cells, by which shards are cut; without it, cells count alike
     #[arg(long, value_name = "DIR")]
     costs: Option<PathBuf>,
+    /// The adapter: its place in the list of `lightloom adapters`, from 0, or a part of its name. Without it, the first
+    #[arg(long, value_name = "NAME|INDEX", conflicts_with = "workers")]
+    adapter: Option<String>,
+    /// Run on the first N adapters of this machine at once, each by a process of its own; references are rendered first, by one
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with_all = ["shard", "snakefile"])]
+    workers: Option<u32>,
     /// A folder for references, shared with other studies and shards
     #[arg(long, value_name = "DIR")]
     references: Option<PathBuf>,
@@ -123,6 +130,9 @@ enum Other {
     },
 }
 
+/// What an error that ends a run means for what was finished.
+const STOPPED: &str = "the study stopped; what is finished is kept, and the same command goes on from there";
+
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     match &args.other {
         Some(Other::Merge { parts, out }) => {
@@ -183,18 +193,10 @@ fn run_study(context: &Context, args: &Args, file: &str, out: &Path) -> Result<(
         return write_snakefile(context, args, file, &plan, path.as_deref());
     }
     warn(&warnings(context, &plan), context.json);
-    let mut lab = GpuLaboratory::new(Arc::clone(&context.catalog), Gpu::open()?);
-    let options = RunOptions {
-        shard: args.shard.clone(),
-        costs: costs(args, out)?,
-        references: args.references.clone(),
-        command: command(args, file),
-    };
-    let mut progress = Progress::new();
-    let ran = study::run(&plan, &mut lab, out, &options, &mut |event| progress.report(event));
-    progress.finish();
-    let ran =
-        ran.context("the study stopped; what is finished is kept, and the same command goes on from there")?;
+    if let Some(workers) = args.workers {
+        return run_workers(context, args, (file, out), &plan, workers);
+    }
+    let ran = run_here(context, args, (file, out), &plan, args.shard.clone())?;
     if args.shard.is_some() {
         shard_report(context, &ran);
         return Ok(());
@@ -204,6 +206,58 @@ fn run_study(context: &Context, args: &Args, file: &str, out: &Path) -> Result<(
         bail!("{}", failed(ran.failed));
     }
     Ok(())
+}
+
+/// Runs a study, or a shard of it, in this process.
+fn run_here(
+    context: &Context,
+    args: &Args,
+    (file, out): (&str, &Path),
+    plan: &Plan,
+    shard: Option<Shard>,
+) -> Result<Ran> {
+    let mut lab = GpuLaboratory::open(Arc::clone(&context.catalog), args.adapter.as_deref())?;
+    let options = RunOptions {
+        shard,
+        costs: costs(args, out)?,
+        references: args.references.clone(),
+        command: command(args, file),
+    };
+    let mut progress = Progress::new();
+    let ran = study::run(plan, &mut lab, out, &options, &mut |event| progress.report(event));
+    progress.finish();
+    ran.context(STOPPED)
+}
+
+/// Runs a study on several adapters of this machine.
+fn run_workers(
+    context: &Context,
+    args: &Args,
+    (file, out): (&str, &Path),
+    plan: &Plan,
+    workers: u32,
+) -> Result<()> {
+    let adapters = Gpu::adapters();
+    if workers as usize > adapters.len() {
+        let names: Vec<&str> = adapters.iter().map(|adapter| adapter.name.as_str()).collect();
+        bail!(
+            "--workers {workers} needs as many adapters, and this machine has {}: {}",
+            names.len(),
+            names.join(", ")
+        );
+    }
+    run_here(context, args, (file, out), plan, Some(Shard::References { places: None }))?;
+    let costs = args.costs.as_deref().map(Costs::read).transpose()?.unwrap_or_default();
+    let mut program = program(context)?;
+    program.push("study".to_owned());
+    program.extend(words(args, file));
+    workers::run(&program, out, workers, plan, &costs).context(STOPPED)?;
+    let results = study::merge(&[out.to_owned()], out)?.results;
+    report(context, &results, out, None)?;
+    match results.cells.iter().filter(|cell| cell.outcome != Outcome::Done).count() {
+        0 => Ok(()),
+        count => bail!("{}", failed(count)),
+    }
 }
 
 /// Reads the costs of cells. Shards that are cut by them must all find the same, so they cannot be in the folder that the

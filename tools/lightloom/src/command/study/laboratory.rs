@@ -8,7 +8,8 @@ use metrics::Image;
 use metrics::temporal::Pinhole;
 use ray_tracing::Bvh;
 use renderer::{
-    Catalog, Compiled, FrameOptions, FrameReport, Gpu, Progress, Provenance, Renderer, load_scene,
+    Catalog, Compiled, ExecutorError, FrameOptions, FrameReport, Gpu, Progress, Provenance, Renderer,
+    load_scene,
 };
 use scene::{Camera, Scene};
 use std::collections::HashMap;
@@ -28,6 +29,8 @@ const MOST_KEPT: usize = 1 << 20;
 pub(crate) struct GpuLaboratory {
     catalog: Arc<Catalog>,
     gpu: Gpu,
+    /// The adapter by index or name, to open it again; `None` for the best.
+    adapter: Option<String>,
     scenes: HashMap<String, Scene>,
 }
 
@@ -40,8 +43,10 @@ struct Extras {
 }
 
 impl GpuLaboratory {
-    pub(crate) fn new(catalog: Arc<Catalog>, gpu: Gpu) -> GpuLaboratory {
-        GpuLaboratory { catalog, gpu, scenes: HashMap::new() }
+    /// Opens an adapter by index or name; `None` for the best.
+    pub(crate) fn open(catalog: Arc<Catalog>, adapter: Option<&str>) -> Result<GpuLaboratory, ExecutorError> {
+        let gpu = open(adapter)?;
+        Ok(GpuLaboratory { catalog, gpu, adapter: adapter.map(str::to_owned), scenes: HashMap::new() })
     }
 
     fn scene(&mut self, name: &str) -> Result<&Scene, Failure> {
@@ -85,6 +90,10 @@ impl GpuLaboratory {
     }
 }
 
+fn open(adapter: Option<&str>) -> Result<Gpu, ExecutorError> {
+    adapter.map_or_else(Gpu::open, Gpu::open_adapter)
+}
+
 fn options(keep: Vec<String>) -> CompileOptions {
     CompileOptions { keep, ..renderer::compile_options() }
 }
@@ -116,7 +125,7 @@ impl Laboratory for GpuLaboratory {
     ) -> Result<CellRun, Failure> {
         let done = self.render(request, observe, step);
         // A device that was lost takes no other cell with it.
-        if let (Err(_), Ok(gpu)) = (&done, Gpu::open()) {
+        if let (Err(_), Ok(gpu)) = (&done, open(self.adapter.as_deref())) {
             self.gpu = gpu;
         }
         done
