@@ -1,11 +1,15 @@
 //! Studies in jobs of a batch system: a Snakefile, its jobs by hand and by Snakemake.
 
+#[cfg(target_os = "linux")]
+mod slurm;
+
 use crate::adapter::root;
 use crate::program::{Done, Folder, command_of_tree};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
+use std::time::Duration;
 
 /// 40 cells that take a third of a second each, of which a quarter is a job of 1.5 minutes while nothing is known of their cost.
 const SMALL: &str = r#"Study(
@@ -165,8 +169,23 @@ fn costs_of_a_run_cut_the_jobs() {
     assert!(text.contains("\"study\", \"small.ron\", \"--set\", \"map=32\", \"-o\", OUT"), "{text}");
 }
 
-/// Returns the program Snakemake: of the path, or of what `tests/cluster/install.sh` installed.
+/// Installs Snakemake and Slurm, once, where the environment allows it.
+fn install() {
+    static DONE: std::sync::Once = std::sync::Once::new();
+    if std::env::var_os("LIGHTLOOM_CLUSTER_SETUP").is_some_and(|value| value == "1") {
+        DONE.call_once(|| {
+            let done = Done::of(&mut Command::new(root().join("tests/cluster/install.sh")));
+            if done.code != Some(0) {
+                eprintln!("tests/cluster/install.sh failed: {done}");
+            }
+        });
+    }
+}
+
+/// Returns the program Snakemake: that of LIGHTLOOM_SNAKEMAKE, of the path, or of `tests/cluster/install.sh`; `None`, with the
+/// reason on standard error, where there is none.
 fn snakemake() -> Option<PathBuf> {
+    install();
     let installed = root().join("target/cluster/venv/bin/snakemake");
     let mut candidates = vec![PathBuf::from("snakemake"), installed];
     if let Ok(named) = std::env::var("LIGHTLOOM_SNAKEMAKE") {
@@ -175,16 +194,17 @@ fn snakemake() -> Option<PathBuf> {
     let works = |path: &PathBuf| {
         Command::new(path).arg("--version").output().is_ok_and(|output| output.status.success())
     };
-    candidates.into_iter().find(works)
+    let found = candidates.into_iter().find(works);
+    if found.is_none() {
+        eprintln!("skipped: there is no Snakemake; tests/cluster/install.sh installs it");
+    }
+    found
 }
 
 /// The real Snakemake runs the file, two jobs at a time.
 #[test]
 fn snakemake_gives_the_report_of_one_process() {
-    let Some(snakemake) = snakemake() else {
-        eprintln!("skipped: there is no Snakemake; tests/cluster/install.sh installs it");
-        return;
-    };
+    let Some(snakemake) = snakemake() else { return };
     let Some(folder) = folder() else { return };
     let (path, _) = snakefile(&folder, &["--shard-minutes", "1.5"]);
     let mut command = Command::new(snakemake);
@@ -194,4 +214,120 @@ fn snakemake_gives_the_report_of_one_process() {
     study(&folder, &["small.ron", "-o", "one"]).success();
     assert_alike(&folder, "one", "out/snake");
     eprintln!("ran: Snakemake on this machine");
+}
+
+/// The adapter is chosen by place or name; `--workers` takes as many as there are.
+#[test]
+fn an_adapter_is_chosen_and_workers_share_the_machine() {
+    let Some(folder) = folder() else { return };
+    let run = |out: &str, more: &[&str]| study(&folder, &[&["small.ron", "-o", out], FEW, more].concat());
+    run("none", &["--adapter", "no such"]).failure(1, &["there is no adapter `no such`; there are: 0: "]);
+    run("none", &["--adapter", "99"]).failure(1, &["there is no adapter `99`"]);
+    run("none", &["--workers", "99"]).failure(1, &["--workers 99 needs as many adapters"]);
+    run("one", &["--adapter", "0"]).success();
+    let record: Value = serde_json::from_str(&folder.read("one/study.json")).unwrap();
+    let name = record["adapter"].as_str().unwrap().split(" (").next().unwrap().to_uppercase();
+    run("one", &["--adapter", &name]).success().says(&["16 of 16 cells are finished already"]);
+    run("workers", &["--workers", "1"]).success().says(&["adapter 0: 4/4 "]);
+    assert_alike(&folder, "one", "workers");
+}
+
+/// A second driver file of Mesa's lavapipe is a second adapter.
+#[cfg(target_os = "linux")]
+#[test]
+fn two_workers_run_on_two_adapters() {
+    let driver = Path::new("/usr/share/vulkan/icd.d/lvp_icd.x86_64.json");
+    let Some(folder) = folder().filter(|_| driver.is_file()) else {
+        eprintln!("skipped: there is no lavapipe to list twice");
+        return;
+    };
+    let second = folder.at("second.json");
+    fs::copy(driver, &second).unwrap();
+    let drivers = std::env::join_paths([driver, second.as_path()]).unwrap();
+    let mut command = command_of_tree(&folder);
+    command.args(["study", "small.ron", "-o", "workers", "--workers", "2"]).args(FEW);
+    let done = Done::of(command.env("VK_ICD_FILENAMES", drivers)).success();
+    done.says(&["adapter 0: ", "adapter 1: "]);
+    study(&folder, &[&["small.ron", "-o", "one", "--adapter", "llvmpipe"], FEW].concat()).success();
+    assert_alike(&folder, "one", "workers");
+}
+
+/// A process that dies in the middle of a picture leaves no row of that cell; the next removes the rest of the picture.
+#[cfg(unix)]
+#[test]
+fn a_worker_killed_while_it_writes_leaves_no_row() {
+    let growing = r#"Study(
+        scenes: ["cornell-box"], pipelines: ["ism-uniform"], set: { "rsm.size": 32, "lights": 8 },
+        vary: Grid({ "size": [(16, 12), (800, 600)] }), budget: Frames(1), measures: ["gpu-ms"],
+    )"#;
+    let Some(folder) = Folder::with_gpu(&[("growing.ron", growing)]) else { return };
+    let names = |part: &str, end: &str| -> Vec<String> {
+        let entries = fs::read_dir(folder.at("out").join(part)).into_iter().flatten();
+        let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        names.filter(|name| name.ends_with(end)).collect()
+    };
+    let shard = ["study", "growing.ron", "-o", "out", "--shard", "1/1"];
+    // The large picture is written for tens of milliseconds; a machine may be too slow to see that at once.
+    let killed = (0..20).any(|_| {
+        let mut command = command_of_tree(&folder);
+        let mut child = command.args(shard).stderr(Stdio::null()).stdout(Stdio::null()).spawn().unwrap();
+        while child.try_wait().unwrap().is_none() {
+            if names("cells", ".json").len() == 1 && !names("images", ".part").is_empty() {
+                child.kill().unwrap();
+            }
+            std::thread::sleep(Duration::from_micros(200));
+        }
+        let is_in_the_middle = names("cells", ".json").len() == 1 && !names("images", ".part").is_empty();
+        if !is_in_the_middle {
+            fs::remove_dir_all(folder.at("out")).unwrap();
+        }
+        is_in_the_middle
+    });
+    assert!(killed, "no process was seen to write in twenty runs");
+    let again = Done::of(command_of_tree(&folder).args(shard)).success();
+    again.says(&["2 of 2 cells are of this shard; 1 ran now"]);
+    assert_eq!((names("cells", ".json").len(), names("images", ".part").len()), (2, 0));
+    assert_eq!(names("images", ".exr").len(), 2);
+}
+
+/// A disk that is full in the middle of a study: rows are whole, and the same command goes on once there is room.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_leaves_whole_rows() {
+    let Some(folder) = folder() else { return };
+    let disk = folder.at("disk");
+    fs::create_dir(&disk).unwrap();
+    let mount = |options: &str| {
+        let mut command = Command::new("mount");
+        command.args(["-t", "tmpfs", "-o", options, "tmpfs"]).arg(&disk);
+        command.output().is_ok_and(|output| output.status.success())
+    };
+    if !mount("size=400k") {
+        eprintln!("skipped: a small disk takes root, to mount it");
+        return;
+    }
+    let run = || study(&folder, &[&["small.ron", "-o", "disk/out", "--shard", "1/1"], FEW].concat());
+    let full = run();
+    let count = || {
+        let rows =
+            fs::read_dir(disk.join("out/cells")).into_iter().flatten().map(|entry| entry.unwrap().path());
+        let rows = rows.filter(|path| path.extension().is_some_and(|extension| extension == "json"));
+        rows.map(|path| serde_json::from_slice::<Value>(&fs::read(path).unwrap()).unwrap()).count()
+    };
+    let before = count();
+    let grown = mount("remount,size=64m");
+    let again = run();
+    let after = count();
+    // Before anything is checked, since a mounted folder cannot be removed.
+    let copied = Done::of(Command::new("cp").arg("-r").arg(disk.join("out")).arg(folder.at("out")));
+    Done::of(Command::new("umount").arg(&disk)).success();
+    full.failure(1, &["No space left on device", "what is finished is kept"]);
+    assert!(grown && (1..16).contains(&before), "{before} rows on a full disk");
+    again.success().says(&[&format!("{} ran now", 16 - before)]);
+    assert_eq!(after, 16);
+    copied.success();
+    study(&folder, &["merge", "out", "-o", "out"]).success();
+    study(&folder, &[&["small.ron", "-o", "one"], FEW].concat()).success();
+    assert_alike(&folder, "one", "out");
+    eprintln!("ran: a full disk");
 }
