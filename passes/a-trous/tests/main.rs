@@ -29,3 +29,27 @@ fn edges_of_the_geometry_stay() {
         assert_edges_stay(|see, light| filtered(see, light, iterations));
     }
 }
+
+/// On a wall an iteration is a convolution with the B-spline, cut at the edges of the picture: no pixel counts twice, and none
+/// that is not there.
+#[test]
+fn an_iteration_is_a_spline_cut_at_the_edges() {
+    let wall = |_: u32, _: u32| (3.0, TOWARDS);
+    let value = |x: u32, y: u32| f64::from((7 * x + 13 * y + x * y) % 17 + 1);
+    let light = |x: u32, y: u32| [value(x, y) as f32; 4];
+    let Some(found) = filtered(&wall, &light, 1) else { return };
+    let spline = [3.0 / 8.0, 1.0 / 4.0, 1.0 / 16.0];
+    for (y, x) in (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (y, x))) {
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for (dy, dx) in (-2..=2_i32).flat_map(|dy| (-2..=2_i32).map(move |dx| (dy, dx))) {
+            let (Some(x), Some(y)) = (x.checked_add_signed(dx), y.checked_add_signed(dy)) else { continue };
+            if x < SIDE && y < SIDE {
+                let weight = spline[dx.unsigned_abs() as usize] * spline[dy.unsigned_abs() as usize];
+                sum += weight * value(x, y);
+                weights += weight;
+            }
+        }
+        let found = f64::from(found[(y * SIDE + x) as usize][0]);
+        assert!((found / (sum / weights) - 1.0).abs() < 1e-4, "({x}, {y}): {found} for {}", sum / weights);
+    }
+}

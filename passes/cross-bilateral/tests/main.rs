@@ -41,6 +41,13 @@ fn a_window_is_gaussian() {
         assert!((found - wanted).abs() < 1e-3, "{found} at {offset} for {wanted}");
     }
     assert_eq!(at(29), 0.0, "the window ends");
+    // In all directions alike.
+    for (dx, dy) in [(0, 4), (0, -4), (-4, 0), (3, -4), (-2, 4), (1, 1)] {
+        let pixel = (24_u32.wrapping_add_signed(dy) * SIDE + 24_u32.wrapping_add_signed(dx)) as usize;
+        let (found, wanted) =
+            (f64::from(pixels[pixel][0]) / at(24), (-0.125 * f64::from(dx * dx + dy * dy)).exp());
+        assert!((found - wanted).abs() < 1e-3, "{found} at {dx}, {dy} for {wanted}");
+    }
 }
 
 #[test]

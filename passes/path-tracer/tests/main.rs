@@ -232,3 +232,98 @@ fn masked_surfaces_let_light_through() {
     assert!(whole > 0.0);
     assert_eq!(cut, 0.0, "a wall of too little alpha is not there");
 }
+
+/// The estimate of the error follows from what the samples say: the variance of each pixel's mean over the squared luminance around
+/// it, both in units of the picture's mean; and the variance is that of the samples, in however many frames they were taken.
+#[test]
+fn the_error_is_that_of_the_samples() {
+    let (width, height) = (10_u32, 7_u32);
+    let run = |frames: u32, samples: u32| {
+        let harness = Harness::new(path_tracer::PASS).scene("cornell-box").frame(width, height);
+        harness.set("samples_per_frame", samples).feedback("past", "samples").frames(frames).run()
+    };
+    let luminance = |pixel: &[f32; 4]| {
+        let [r, g, b] = [pixel[0], pixel[1], pixel[2]].map(f64::from);
+        0.2126 * r + 0.7152 * g + 0.0722 * b
+    };
+    let read = |outputs: &Outputs| pixels(outputs, "samples.image");
+    let count = 8;
+    // One sample more in each: what it adds to the sum is the sample.
+    let mut before = vec![0.0; (width * height) as usize];
+    let mut taken: Vec<Vec<f64>> = vec![Vec::new(); before.len()];
+    for frames in 1..=count {
+        let Some(outputs) = run(frames, 1) else { return };
+        for (i, pixel) in read(&outputs).iter().enumerate() {
+            let sum = luminance(pixel) * f64::from(frames);
+            taken[i].push(sum - before[i]);
+            before[i] = sum;
+        }
+    }
+    for (frames, samples) in [(1, count), (2, count / 2), (count, 1)] {
+        let Some(outputs) = run(frames, samples) else { return };
+        let found = read(&outputs);
+        let mean = found.iter().map(luminance).sum::<f64>() / found.len() as f64;
+        for (i, (pixel, taken)) in found.iter().zip(&taken).enumerate() {
+            let own = taken.iter().sum::<f64>() / f64::from(count);
+            let squares: f64 = taken.iter().map(|sample| (sample - own).powi(2)).sum();
+            // Samples that are told by differences have the rounding of the means.
+            let slack = 1e-2 * squares + 1e-4 * mean * mean;
+            assert!((f64::from(pixel[3]) - squares).abs() < slack, "pixel {i}: {} for {squares}", pixel[3]);
+        }
+        let place = |i: usize| ((i as u32 % width) as i32, (i as u32 / width) as i32);
+        let around = |i: usize| {
+            let near = |j: &usize| {
+                let ((x, y), (u, v)) = (place(i), place(*j));
+                *j != i && (x - u).abs() <= 1 && (y - v).abs() <= 1
+            };
+            let near: Vec<f64> = (0..found.len()).filter(near).map(|j| luminance(&found[j]) / mean).collect();
+            near.iter().sum::<f64>() / near.len() as f64
+        };
+        let n = f64::from(count);
+        let of_pixel =
+            |i: usize| f64::from(found[i][3]) / n / mean / mean / (n - 1.0) / (around(i).powi(2) + 0.01);
+        let wanted = (0..found.len()).map(of_pixel).sum::<f64>() / found.len() as f64;
+        let progress: Vec<u32> = outputs.read("samples.progress");
+        let error = f64::from(f32::from_bits(progress[2]));
+        assert!((error / wanted - 1.0).abs() < 1e-3, "{error} for {wanted}");
+    }
+}
+
+/// Each quarter of a plane has the color of its quarter of the texture: u grows along x, and v against z.
+#[test]
+fn textures_lie_where_they_should() {
+    let (mut scene, _) = rooms::bent_plane(0.0);
+    let texture = &mut scene.textures[0];
+    (texture.width, texture.height) = (2, 2);
+    // At 0.6 m from the middle a tenth of the neighbour is mixed in.
+    let quarters = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [255, 255, 0, 255]];
+    texture.pixels = quarters.concat();
+    let material = &mut scene.materials[0];
+    (material.normal_texture, material.base_color_texture) = (None, Some(0));
+    material.base_color = glam::Vec4::ONE;
+    let direction = glam::Vec3::NEG_Y;
+    let kind = scene::LightKind::Directional;
+    scene.lights[0] = scene::Light { kind, direction, intensity: glam::Vec3::ONE, ..scene.lights[0].clone() };
+    let places = [([-0.6, -0.5], 2), ([0.6, -0.5], 3), ([-0.6, 0.5], 0), ([0.6, 0.5], 1)];
+    for (place, quarter, is_turned) in
+        places.into_iter().flat_map(|(at, q)| [(at, q, false), (at, 3 - q, true)])
+    {
+        let [x, z] = place;
+        let mut scene = scene.clone();
+        if is_turned {
+            for vertex in &mut scene.vertices {
+                vertex.uv = vertex.uv.map(|x| 1.0 - x);
+            }
+        }
+        let camera = rooms::camera_at([x, 0.2, z], [x, 0.0, z], 1e-3);
+        let harness = Harness::new(path_tracer::PASS).with_scene(scene).camera(camera).frame(2, 2);
+        let Some(outputs) = harness.set("samples_per_frame", 1u32).run() else { return };
+        for pixel in pixels(&outputs, "direct") {
+            for channel in 0..3 {
+                let albedo = f64::from(pixel[channel]) * PI;
+                let wanted = f64::from(quarters[quarter][channel]) / 255.0;
+                assert!((albedo - wanted).abs() < 0.15, "{place:?}: {pixel:?} for {:?}", quarters[quarter]);
+            }
+        }
+    }
+}

@@ -104,3 +104,20 @@ fn nothing_reaches_nothing() {
         assert!(found.iter().all(SurfacePoint::is_none), "{found:?}");
     }
 }
+
+/// A point in view is asked by itself: whether its neighbours in the list are there does not matter.
+#[test]
+fn a_point_that_is_not_there_hides_no_other() {
+    let scene = two_rooms();
+    let seen =
+        points(&scene, 0, 200).into_iter().find(|point| point.position[0] < -0.1).expect("one of the room");
+    let mut ceiling = points(&scene, 2, 300);
+    ceiling.retain(|point| point.position[0] < -0.1);
+    let none = SurfacePoint::NONE;
+    for (view, nearest, is_reached) in [(vec![none, seen, none], 1, true), (vec![seen, none, seen], 1, false)]
+    {
+        let nearest = vec![nearest; ceiling.len()];
+        let Some(found) = reached(&scene, &ceiling, &nearest, &view, 0) else { return };
+        assert!(found.iter().all(|point| point.is_none() != is_reached), "{view:?}: {found:?}");
+    }
+}

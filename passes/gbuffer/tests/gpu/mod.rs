@@ -133,6 +133,7 @@ fn members_are_those_of_the_scene() {
     let Some(outputs) = harness.set("motion", true).run() else { return };
     let emission: Vec<[f32; 4]> = outputs.read("view.emission");
     let specular: Vec<[f16; 4]> = outputs.read("view.specular");
+    let albedo: Vec<[f16; 4]> = outputs.read("view.albedo");
     let motion: Vec<[f32; 2]> = outputs.read("view.motion");
     let camera = camera(&scene);
     let (mut wrong, mut lamp) = (0, 0);
@@ -148,7 +149,10 @@ fn members_are_those_of_the_scene() {
             let specular_x = dielectric + (m.base_color.x - dielectric) * m.metallic;
             (specular[i][0].to_f32() - specular_x).abs() < 1e-3 && specular[i][3].to_f32() == m.roughness
         });
-        wrong += u32::from(!same || !rough);
+        // What a metal reflects, it does not scatter.
+        let matte = material
+            .is_none_or(|m| (albedo[i][0].to_f32() - m.base_color.x * (1.0 - m.metallic)).abs() < 1e-3);
+        wrong += u32::from(!same || !rough || !matte);
         // The camera was where it is.
         assert!(motion[i].iter().all(|m| m.abs() < 1e-2), "pixel {i} moved by {:?}", motion[i]);
     }
@@ -222,4 +226,25 @@ fn normals_face_the_camera_in_frames_of_few_pixels() {
         seen += 1;
     }
     assert_eq!(seen, 4);
+}
+
+/// A texture scales how metallic and how rough a surface is: green is roughness, and blue metal.
+#[test]
+fn a_texture_of_metal_scales_the_material() {
+    let (mut scene, _) = pass_test::rooms::bent_plane(0.0);
+    scene.textures[0].pixels = vec![0, 204, 51, 255];
+    let material = &mut scene.materials[0];
+    (material.normal_texture, material.metallic_roughness_texture) = (None, Some(0));
+    (material.metallic, material.roughness) = (0.5, 0.75);
+    let base = material.base_color.x;
+    scene.camera = pass_test::rooms::camera_at([0.0, 0.5, 0.0], [0.0; 3], 0.5);
+    let harness = Harness::new(gbuffer::PASS).with_scene(scene).frame(8, 8);
+    let Some(outputs) = harness.run() else { return };
+    let metal = 0.5 * 51.0 / 255.0;
+    for albedo in outputs.read::<[f16; 4]>("view.albedo") {
+        assert!((albedo[0].to_f32() - base * (1.0 - metal)).abs() < 1e-3, "{albedo:?}");
+    }
+    for specular in outputs.read::<[f16; 4]>("view.specular") {
+        assert!((specular[3].to_f32() - 0.75 * 204.0 / 255.0).abs() < 1e-3, "{specular:?}");
+    }
 }

@@ -213,3 +213,13 @@ fn no_triangles_and_none_with_an_area() {
         assert!(samples.iter().all(|sample| sample.area == 0.0), "{samples:?}");
     }
 }
+
+/// At the least level a tessellator divides nothing: each triangle has its three corners.
+#[test]
+fn a_triangle_that_is_not_divided_has_three_points() {
+    let scene = pass_test::scene("cornell-box");
+    let harness = Harness::new(PASS).with_scene(scene.clone()).set("rule", "tessellation");
+    let Some(outputs) = harness.set("min_factor", 1u32).set("max_factor", 1u32).run() else { return };
+    let found = Amplification::read(&outputs, scene.triangles());
+    assert_eq!(found.requested, 3 * scene.triangles() as u32);
+}

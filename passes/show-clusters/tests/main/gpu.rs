@@ -58,13 +58,19 @@ fn seen(texel: UVec2) -> f32 {
 }
 
 fn show(scene: &Scene, clusters: &[Cluster], dot: f32) -> Option<Vec<[u8; 4]>> {
+    show_with(scene, clusters, dot, &[])
+}
+
+/// The same with further layers of the map.
+fn show_with(scene: &Scene, clusters: &[Cluster], dot: f32, more: &[RsmTexel]) -> Option<Vec<[u8; 4]>> {
     let texels = || (0..MAP * MAP).map(|i| uvec2(i % MAP, i / MAP));
-    let rsm: Vec<RsmTexel> = texels()
+    let mut rsm: Vec<RsmTexel> = texels()
         .map(|texel| {
             let position = on_floor(texel).as_vec3().extend(seen(texel)).to_array();
             RsmTexel { position, normal: [0.0, 1.0, 0.0], flux: [1.0; 4] }
         })
         .collect();
+    rsm.extend(more);
     let depth = |i| floor_seen(scene, (WIDTH, HEIGHT), i).map_or(0.0, |(depth, _)| depth);
     let outputs = Harness::new(PASS)
         .set("dot", dot)
@@ -152,4 +158,29 @@ fn dots_lie_at_the_centres() {
     // Without a texel there is no centre.
     let gone = vec![Cluster { texel: u32::MAX, ..Cluster::default() }; 64];
     assert!(show(&scene, &gone, 2.0).is_some_and(|shown| shown == plain));
+}
+
+/// A dot lies where its layer of the map has its texel.
+#[test]
+fn dots_lie_in_the_layer_of_their_texel() {
+    let scene = scene();
+    // What the other layer sees is far away.
+    let far = vec![
+        RsmTexel { position: [1e3, 1e3, 1e3, 1.0], normal: [0.0, 1.0, 0.0], flux: [1.0; 4] };
+        (MAP * MAP) as usize
+    ];
+    let in_the_other: Vec<Cluster> = clusters()
+        .into_iter()
+        .map(|cluster| Cluster { texel: cluster.texel + MAP * MAP, ..cluster })
+        .collect();
+    let (Some(plain), Some(alone)) = (show(&scene, &clusters(), 0.0), show(&scene, &clusters(), 2.0)) else {
+        return;
+    };
+    let (Some(own), Some(other)) =
+        (show_with(&scene, &clusters(), 2.0, &far), show_with(&scene, &in_the_other, 2.0, &far))
+    else {
+        return;
+    };
+    assert!(alone != plain && own == alone, "a further layer moves no dots");
+    assert!(other == plain, "dots that are far away are not seen");
 }
