@@ -11,6 +11,7 @@ mod inherit;
 mod kinds;
 mod limits;
 mod naive;
+mod names;
 mod no_effect;
 mod off;
 mod random;
