@@ -327,3 +327,21 @@ fn textures_lie_where_they_should() {
         }
     }
 }
+
+/// In a scene where something else is glossy a matte surface stays Lambertian, also where it is seen and lit on edge.
+#[test]
+fn a_matte_surface_is_lambertian_among_glossy_ones() {
+    let mut scene = scene("plane");
+    let direction = glam::Vec3::new(0.98, -0.2, 0.0).normalize();
+    let kind = scene::LightKind::Directional;
+    scene.lights[0] = scene::Light { kind, direction, intensity: glam::Vec3::ONE, ..scene.lights[0].clone() };
+    let camera = rooms::camera_at([0.98, 0.2, 0.0], [0.0; 3], 1e-3);
+    let harness = Harness::new(path_tracer::PASS).with_scene(scene).camera(camera).frame(2, 2);
+    let harness = harness.scene_trait("glossy", true).set("samples_per_frame", 1u32);
+    let Some(outputs) = harness.run() else { return };
+    let lit = f64::from(-direction.y);
+    for pixel in pixels(&outputs, "direct") {
+        let irradiance = f64::from(pixel[0]) * PI / 0.5;
+        assert!((irradiance / lit - 1.0).abs() < 1e-4, "{irradiance} for {lit}");
+    }
+}

@@ -396,3 +396,34 @@ fn without_triangles_the_maps_are_empty() {
     let Some(outputs) = outputs else { return };
     assert!(outputs.read::<u32>("depth").iter().all(|bits| *bits == f32::INFINITY.to_bits()));
 }
+
+/// What lookups compare with: a surfel stores what the centre of a texel sees, a box the middle of a splat that is wider than one.
+#[test]
+fn the_bias_of_lookups_is_that_of_the_kernel() {
+    use pass::Value;
+    let input = |name: &str, interface: &str, facts: &[(&'static str, Value)], module: Option<&str>| {
+        let mut given =
+            pass_test::maps(&[""], &pass_test::buffer(1 << 20), facts, module.map(pass::Module::new));
+        (given.name, given.interface) = (name.into(), interface.into());
+        given
+    };
+    let facts = |kernel: &str| {
+        let settings = [("kernel", kernel.into()), ("map", 64_u32.into()), ("depth_bias", Value::F32(0.5))];
+        let inputs = [
+            input("points", "Points", &[("count", 9_u32.into())], Some(STORED)),
+            input("lights", "VirtualLights", &[("count", 4_u32.into())], None),
+        ];
+        let made =
+            pass_test::outputs_of(splat::PASS, &settings, &inputs, &[]).unwrap_or_else(|e| panic!("{e:?}"));
+        let depth = made.into_iter().find(|made| made.facts.get("depth_bias").is_some()).expect("maps");
+        ["depth_bias", "slope_bias"].map(|name| match depth.facts.get(name) {
+            Some(Value::F32(value)) => *value,
+            other => panic!("{name}: {other:?}"),
+        })
+    };
+    let near = |found: [f32; 2], wanted: [f32; 2]| {
+        assert!(found.into_iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-6), "{found:?} for {wanted:?}");
+    };
+    near(facts("surfel"), [0.15, 0.0]);
+    near(facts("box"), [0.1, 1.0]);
+}
