@@ -125,3 +125,22 @@ fn flux_at_the_ends_of_the_range_stays_finite() {
         }
     }
 }
+
+/// The header says how many clusters there are: what stands behind them is no light, and before the first frame all is dark.
+#[test]
+fn what_is_behind_the_clusters_is_no_light() {
+    let clusters: Vec<Cluster> = clusters(9).into_iter().filter(|cluster| cluster.texels > 0).collect();
+    for count in [0, 1, clusters.len() as u32 - 1] {
+        let header = ClustersHeader { count, map_flux: [1.0; 3], ..ClustersHeader::default() };
+        let mut bytes = interfaces::clusters::to_bytes(&header, &clusters);
+        bytes[..4].copy_from_slice(&count.to_ne_bytes());
+        let members = pass_test::elements(&bytes);
+        let given = [("count", clusters.len() as u32)];
+        let Some(outputs) = Harness::new(PASS).input("clusters", "Clusters", &given, members).run() else {
+            return;
+        };
+        for (i, light) in (0..).zip(outputs.lights("lights")) {
+            assert_eq!(light.flux == [0.0; 3], i >= count, "{count} clusters, light {i}: {light:?}");
+        }
+    }
+}
