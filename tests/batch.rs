@@ -169,6 +169,31 @@ fn costs_of_a_run_cut_the_jobs() {
     assert!(text.contains("\"study\", \"small.ron\", \"--set\", \"map=32\", \"-o\", OUT"), "{text}");
 }
 
+/// The costs of a run give the time of the whole study on several GPUs.
+#[test]
+fn costs_of_a_run_give_the_time_on_several_gpus() {
+    let Some(folder) = folder() else { return };
+    study(&folder, &["small.ron", "-o", "timing", "--timing"]).success();
+    for (part, seconds) in [("cells", 600.0), ("references", 1200.0)] {
+        for entry in fs::read_dir(folder.at("timing").join(part)).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_some_and(|extension| extension == "json") {
+                let mut record: Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+                record["seconds"] = json!(seconds);
+                fs::write(&path, record.to_string()).unwrap();
+            }
+        }
+    }
+    let mut record: Value = serde_json::from_str(&folder.read("timing/study.json")).unwrap();
+    record["references"] = json!([]);
+    folder.write("timing/study.json", &record.to_string());
+    // 40 cells of ten minutes in 20 shards, after a reference of twenty minutes: 21, 4 and 2 times twenty minutes. With twice
+    // the cells, 41, 6 and 2 times.
+    let done = study(&folder, &["costs", "timing"]).success();
+    done.says(&["| small | 40 | 4 | 1 | 7 h | 80 min | 40 min | 0.97 | 0.58 | 0.00 |"]);
+    study(&folder, &["costs", "nowhere"]).failure(1, &["there is no study here"]);
+}
+
 /// Installs Snakemake and Slurm, once, where the environment allows it.
 fn install() {
     static DONE: std::sync::Once = std::sync::Once::new();
@@ -312,7 +337,9 @@ fn a_full_disk_leaves_whole_rows() {
         let rows =
             fs::read_dir(disk.join("out/cells")).into_iter().flatten().map(|entry| entry.unwrap().path());
         let rows = rows.filter(|path| path.extension().is_some_and(|extension| extension == "json"));
-        rows.map(|path| serde_json::from_slice::<Value>(&fs::read(path).unwrap()).unwrap()).count()
+        let rows: Vec<Value> =
+            rows.map(|path| serde_json::from_slice(&fs::read(path).unwrap()).unwrap()).collect();
+        rows.len()
     };
     let before = count();
     let grown = mount("remount,size=64m");

@@ -143,7 +143,7 @@ impl Plan {
     }
 
     /// Returns the ranges of cells that belong in one shard.
-    fn units(&self) -> Vec<Range<usize>> {
+    pub(crate) fn units(&self) -> Vec<Range<usize>> {
         let mut units: Vec<Range<usize>> = Vec::new();
         for (index, cell) in self.cells.iter().enumerate() {
             let is_same = |first: usize| {
@@ -166,19 +166,19 @@ impl Plan {
     }
 }
 
-fn singly(count: usize) -> Vec<Range<usize>> {
+pub(crate) fn singly(count: usize) -> Vec<Range<usize>> {
     (0..count).map(|index| index..index + 1).collect()
 }
 
 /// Returns the number of shards of about as many minutes: no more than there are items.
-fn parts_of(seconds: &[f64], minutes: f64) -> usize {
+pub(crate) fn parts_of(seconds: &[f64], minutes: f64) -> usize {
     let parts = (seconds.iter().sum::<f64>() / (60.0 * minutes)).round() as usize;
     parts.clamp(1, seconds.len().max(1))
 }
 
 /// Cuts units of consecutive items into `parts` ranges of items, each with the units whose middle lies in its share of all
 /// seconds: the cost of a range differs from the mean by no more than that of its largest unit.
-fn cut(seconds: &[f64], units: &[Range<usize>], parts: usize) -> Vec<Range<usize>> {
+pub(crate) fn cut(seconds: &[f64], units: &[Range<usize>], parts: usize) -> Vec<Range<usize>> {
     let total: f64 = seconds.iter().sum();
     let mut ranges = vec![0..0; parts];
     let mut before = 0.0;

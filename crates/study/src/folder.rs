@@ -127,6 +127,14 @@ impl Folder {
     }
 }
 
+/// Returns the name of the study in a folder, and the text of its file.
+///
+/// # Errors
+/// Where there is no study.
+pub fn source(folder: &Path) -> Result<(String, String), StudyError> {
+    read_study(folder).map(|(study, _)| (study.name, study.source))
+}
+
 /// Returns the keys of the records of cells in a folder, in order.
 pub(crate) fn rows(folder: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder.join(CELLS)).into_iter().flatten().flatten();

@@ -25,6 +25,7 @@ mod report;
 mod run;
 mod seeds;
 mod shard;
+mod spread;
 mod table;
 
 pub use claim::{Finding, Verdict};
@@ -32,6 +33,7 @@ pub use cost::{Costs, SHARD_MINUTES, UNKNOWN_SECONDS};
 pub use description::{Claim, Pick, Relation, Study, parse, parse_with};
 pub use edit::Edits;
 pub use error::{Failure, StudyError};
+pub use folder::source;
 pub use interval::Interval;
 pub use laboratory::{
     CellRun, Laboratory, Observed, Occluded, PipelineFacts, Registry, RunRequest, SceneFacts, Step, Values,
@@ -47,4 +49,5 @@ pub use record::{
 pub use report::{claims, report, report_with};
 pub use run::{Event, Ran, RunOptions, name_of, run};
 pub use shard::{Shard, ShardError};
+pub use spread::costs;
 pub use table::write as write_tables;

@@ -113,6 +113,12 @@ enum Other {
         #[arg(short, long = "out", value_name = "DIR")]
         out: PathBuf,
     },
+    /// Print a table, in Markdown, of how long studies take on 1, 8 and 64 GPUs, from the costs of cells in folders of runs
+    Costs {
+        /// The folders: of whole runs, of a part or of --timing
+        #[arg(required = true)]
+        folders: Vec<PathBuf>,
+    },
     /// Write tables and report of a folder again
     Report {
         /// The folder
@@ -141,6 +147,22 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
                 stderr!("not taken: {reason}");
             }
             report(context, &merged.results, out, None)
+        }
+        Some(Other::Costs { folders }) => {
+            let one = |folder: &PathBuf| -> Result<(Plan, Costs)> {
+                let (name, text) = study::source(folder)?;
+                let study = study::parse(Source::new(format!("studies/{name}.ron"), text))?;
+                let registry = CatalogRegistry::new(Arc::clone(&context.catalog));
+                Ok((Plan::new(study, &registry)?, Costs::read(folder)?))
+            };
+            let studies: Vec<(Plan, Costs)> = folders.iter().map(one).collect::<Result<_>>()?;
+            let table = study::costs(&studies);
+            if context.json {
+                output::json(&json!({ "table": table.markdown() }));
+            } else {
+                stdout!("{}", table.markdown());
+            }
+            Ok(())
         }
         Some(Other::Report { folder }) => {
             let results = Results::read(folder)?;
