@@ -40,7 +40,8 @@ pub(crate) struct Args {
     /// Number of frames; a pipeline with an output `progress` repeats each until it has converged
     #[arg(long, default_value_t = 1, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..))]
     frames: u32,
-    /// Number of the first frame, and so the time of animations
+    /// Number of the first frame, and so the time of animations. History buffers begin empty there: with them, pictures can
+    /// differ from those of a run that began before
     #[arg(long, default_value_t = 0, allow_negative_numbers = true)]
     first_frame: u32,
     /// Seed of all random numbers; 0 gives plain sequences, as the papers use them
