@@ -399,7 +399,15 @@ fn drawings_hold_every_pass() {
         assert!(dot.contains(&format!("\"{name}\"")), "{name}");
         assert!(text.contains(name.as_str()), "{name}");
     }
-    assert!(svg.contains("stroke-dasharray") && svg.contains("past: color → history"));
+    assert!(svg.contains("past: color → history"));
+    // Links to the past are dashed, and no others.
+    let is_past = |line: &str| line.contains("→ history");
+    let links = dot.lines().filter(|line| line.contains('→'));
+    assert!(links.clone().any(is_past) && links.clone().any(|line| !is_past(line)), "{dot}");
+    for link in links {
+        assert_eq!(link.contains("style=dashed"), is_past(link), "{link}");
+    }
+    assert_eq!(svg.matches("stroke-dasharray").count(), dot.lines().filter(|line| is_past(line)).count());
     assert!(svg.ends_with("</svg>\n") && svg.contains("lower bound"));
     assert!(!svg.contains("NaN") && svg.matches("<g>").count() == svg.matches("</g>").count());
     assert_eq!(json["passes"].as_array().unwrap().len(), plan.passes.len());
