@@ -109,11 +109,25 @@ impl Beside {
     }
 }
 
-/// Puts a name in front of those that were opened lately.
+/// Puts a file in front of those that were opened lately: by its whole path, since the next start may be in another folder.
 pub(crate) fn remember(recent: &mut Vec<String>, name: &str) {
-    recent.retain(|known| known != name);
-    recent.insert(0, name.to_owned());
+    let whole =
+        Path::new(name).canonicalize().map_or_else(|_| name.to_owned(), |path| path.display().to_string());
+    recent.retain(|known| *known != whole);
+    recent.insert(0, whole);
     recent.truncate(RECENT);
+}
+
+/// Returns the path as it is shortest: from the working folder, where the file is in it.
+pub(crate) fn shortest(path: &Path) -> String {
+    let here = Path::new(".").canonicalize().ok();
+    let within = here.and_then(|here| path.strip_prefix(here).ok().map(Path::to_owned));
+    within.unwrap_or_else(|| path.to_owned()).display().to_string()
+}
+
+/// Returns names as they are listed.
+pub(crate) fn listed(names: &[String]) -> Vec<String> {
+    names.iter().map(|name| shortest(Path::new(name))).collect()
 }
 
 #[cfg(test)]
@@ -156,5 +170,9 @@ mod tests {
         assert_eq!(recent, ["c", "a", "b"]);
         (0..20).for_each(|number| remember(&mut recent, &number.to_string()));
         assert_eq!((recent.len(), recent[0].as_str()), (RECENT, "19"));
+        // A file is kept by its whole path, and listed by the shortest.
+        remember(&mut recent, "Cargo.toml");
+        assert!(Path::new(&recent[0]).is_absolute(), "{}", recent[0]);
+        assert_eq!(listed(&recent[..1]), ["Cargo.toml"]);
     }
 }

@@ -22,6 +22,7 @@ mod painter;
 mod palette;
 mod panel;
 mod pilot;
+mod remembered;
 mod snapshots;
 mod terminal;
 #[cfg(test)]
@@ -30,9 +31,10 @@ mod textures;
 mod theme;
 mod viewport;
 
-use app::{App, Remembered};
+use app::App;
 use eframe::egui;
 use frame_graph::Overrides;
+use remembered::Remembered;
 use renderer::Catalog;
 use std::path::PathBuf;
 use std::sync::Arc;

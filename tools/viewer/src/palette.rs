@@ -3,7 +3,7 @@
 use crate::action::{Action, table};
 use crate::app::App;
 use crate::engine::SideId;
-use crate::files::{Kind, kind_of};
+use crate::files::{Kind, kind_of, listed};
 use crate::panel::open::What;
 use eframe::egui::{self, Context, Key, RichText, ScrollArea, TextEdit, Vec2, vec2};
 use std::path::Path;
@@ -141,8 +141,9 @@ fn of_scene_file(name: &str) -> Item {
 /// The files that were opened lately, and those of the working folder.
 fn files(app: &mut App) -> Vec<Item> {
     let with = |mut all: Vec<String>, recent: &[String]| {
+        let recent = listed(recent);
         all.retain(|name| !recent.contains(name));
-        all.extend_from_slice(recent);
+        all.extend(recent);
         all
     };
     let pipelines = with(app.beside.of(Kind::Pipeline), &app.remembered.recent_pipelines);

@@ -10,8 +10,9 @@ mod scene;
 mod times;
 
 use crate::action::{Action, Tab, View};
-use crate::app::{App, Remembered};
+use crate::app::App;
 use crate::engine::{Command, SideId, Start};
+use crate::remembered::Remembered;
 use eframe::egui::accessibility::is_input;
 use eframe::egui::{Key, Modifiers, Role, Ui, vec2};
 use egui_kittest::Harness;

@@ -3,7 +3,7 @@
 use crate::action::{Action, View};
 use crate::app::App;
 use crate::engine::{Command, SideId};
-use crate::files::Kind;
+use crate::files::{Kind, listed};
 use crate::leave::Leave;
 use crate::panel::labelled;
 use crate::panel::open::What;
@@ -17,7 +17,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
             app.now.side(SideId::A).map_or_else(|| app.remembered.pipeline.clone(), |side| side.name.clone());
         let pipelines = app.library.pipelines().to_vec();
         let of_files = Lists {
-            recent: app.remembered.recent_pipelines.clone(),
+            recent: listed(&app.remembered.recent_pipelines),
             beside: app.beside.of(Kind::Pipeline),
             built_in: &pipelines,
         };
@@ -30,7 +30,7 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
             app.now.scene.as_ref().map_or_else(|| app.remembered.scene.clone(), |s| s.scene.spec.clone());
         let scenes = app.library.scenes().to_vec();
         let lists = Lists {
-            recent: app.remembered.recent_scenes.clone(),
+            recent: listed(&app.remembered.recent_scenes),
             beside: app.beside.of(Kind::Scene),
             built_in: &scenes,
         };

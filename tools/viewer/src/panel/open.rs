@@ -2,7 +2,7 @@
 
 use crate::app::App;
 use crate::engine::SideId;
-use crate::files::{Entry, Kind, entries};
+use crate::files::{Entry, Kind, entries, shortest};
 use crate::leave::Leave;
 use eframe::egui::{Context, Id, Key, Modal, Role, ScrollArea, TextEdit, WidgetInfo};
 use frame_graph::Overrides;
@@ -58,13 +58,6 @@ impl App {
         };
         self.leave(leave, context);
     }
-}
-
-/// Returns the path as it is shortest: from the working folder, where the file is in it.
-fn shortest(path: &Path) -> String {
-    let here = Path::new(".").canonicalize().ok();
-    let within = here.and_then(|here| path.strip_prefix(here).ok().map(Path::to_owned));
-    within.unwrap_or_else(|| path.to_owned()).display().to_string()
 }
 
 /// Shows the dialog where it is open.

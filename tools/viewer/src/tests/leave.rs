@@ -33,6 +33,9 @@ fn nothing_is_asked_where_nothing_is_lost() {
     app.leave(Leave::Scene("cornell-box".to_owned()), &context);
     app.leave(pipeline("ism-uniform"), &context);
     assert!(app.leaving.is_none() && shows(&harness, "ism-uniform"));
+    // Without the values that it was started with, the first one is as its file says.
+    harness.state_mut().leave(pipeline("ism-invtm"), &context);
+    assert!(harness.state().leaving.is_none() && shows(&harness, "ism-invtm"));
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Q);
     harness.step();
     assert!(harness.state().quits);

@@ -64,7 +64,7 @@ fn bookmarks_keep_cameras() {
     pump(&mut harness, |app| app.now.camera == Some(aside));
     // They come back at the next start, and only in their scene.
     let text = serde_json::to_string(&harness.state().remembered).unwrap();
-    let read: crate::app::Remembered = serde_json::from_str(&text).unwrap();
+    let read: crate::remembered::Remembered = serde_json::from_str(&text).unwrap();
     assert_eq!(read.bookmarks, harness.state().remembered.bookmarks);
     harness.state_mut().open_scene("cornell-box");
     pump(&mut harness, |app| app.now.scene.as_ref().is_some_and(|view| view.scene.name == "cornell-box"));

@@ -1,8 +1,9 @@
 //! Times of passes, and what is chosen by them.
 
 use super::{pump, remembering, window};
-use crate::app::{App, Remembered};
+use crate::app::App;
 use crate::engine::{Command, SideId, SideView};
+use crate::remembered::Remembered;
 
 fn a(app: &App) -> &SideView {
     app.now.side(SideId::A).unwrap()
