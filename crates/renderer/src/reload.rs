@@ -77,17 +77,17 @@ impl Renderer {
         Ok(report)
     }
 
-    /// Returns whether the pipeline or the scene was made from this file.
-    pub fn reads(&self, file: &Path) -> bool {
-        let (path, at) = (self.asset_path(file), place(file));
-        let is = |name: &str| path.as_deref() == Some(name) || place(&self.on_disk(name)) == at;
+    /// Returns those of some files that the pipeline or the scene was made from.
+    pub fn reads(&self, files: &BTreeSet<PathBuf>) -> BTreeSet<PathBuf> {
         let compiled = self.compiled().into_iter();
-        self.scene().files.iter().any(|file| place(file) == at)
-            || compiled
-                .clone()
-                .flat_map(|compiled| compiled.resolved.sources().iter())
-                .any(|source| is(&source.name))
-            || compiled.flat_map(Compiled::shader_files).any(|file| is(&file))
+        let sources = compiled.clone().flat_map(|compiled| compiled.resolved.sources().iter());
+        let shaders = compiled.flat_map(Compiled::shader_files);
+        let names = sources.map(|source| source.name.clone()).chain(shaders);
+        // Each is looked up once, not for each of the files: a checkout has hundreds.
+        let of_pipeline = names.map(|name| place(&self.on_disk(&name)));
+        let known: BTreeSet<PathBuf> =
+            of_pipeline.chain(self.scene().files.iter().map(|file| place(file))).collect();
+        files.iter().filter(|file| known.contains(&place(file))).cloned().collect()
     }
 
     /// Returns the folders to watch, with all that is in them, for [`Renderer::reload`]: those of the tree that files

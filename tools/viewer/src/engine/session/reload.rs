@@ -89,8 +89,7 @@ impl Session {
     /// Returns the saved files that pipelines or the scene are made from: others may lie in their folders, as those that the
     /// window writes itself.
     fn files_read(&self, saved: &Saved) -> BTreeSet<PathBuf> {
-        let is_read = |file: &&PathBuf| self.sides.iter().any(|(_, side)| side.renderer.reads(file));
-        saved.files.iter().filter(is_read).cloned().collect()
+        self.sides.iter().flat_map(|(_, side)| side.renderer.reads(&saved.files)).collect()
     }
 
     /// Returns the path in the tree of a file that is gone, where one is built into the program that takes its place.
