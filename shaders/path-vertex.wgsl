@@ -1,46 +1,9 @@
-// The surface that a ray meets: where it is, which way it faces, what it is made of.
-
-#option TEXTURED false // whether any material of the scene has a texture
+// The surface that a ray meets.
 
 #import "ray-tracing.wgsl"
-#import "surface.wgsl"
-
-struct PathVertex {
-    /// World space [m].
-    position: vec3<f32>,
-    /// Unit normal of the triangle, on the side from which the ray came. Light arrives and leaves on this side alone.
-    geometric: vec3<f32>,
-    /// For shading, unit, on the same side.
-    normal: vec3<f32>,
-    surface: Surface,
-}
+#import "vertex-on-triangle.wgsl"
 
 /// Returns the vertex where a ray along `direction` hit. Textures are read at their finest level.
 fn path_vertex(hit: Hit, direction: vec3<f32>) -> PathVertex {
-    let a = scene_vertices[scene_indices[3u * hit.triangle]];
-    let b = scene_vertices[scene_indices[3u * hit.triangle + 1u]];
-    let c = scene_vertices[scene_indices[3u * hit.triangle + 2u]];
-    let weights = vec3(1.0 - hit.barycentrics.x - hit.barycentrics.y, hit.barycentrics);
-    let to_b = b.position - a.position;
-    let to_c = c.position - a.position;
-    var vertex: PathVertex;
-    // From the triangle, not along the ray: as exact as the triangle itself, however far the ray came.
-    vertex.position = a.position + to_b * weights.y + to_c * weights.z;
-    vertex.geometric = unit(cross(unit(to_b), unit(to_c)));
-    if dot(vertex.geometric, direction) > 0.0 {
-        vertex.geometric = -vertex.geometric;
-    }
-    let uv = weights.x * a.uv + weights.y * b.uv + weights.z * c.uv;
-    vertex.surface = surface(a.material, uv, vec2(0.0), vec2(0.0));
-    let interpolated = weights.x * a.normal + weights.y * b.normal + weights.z * c.normal;
-    // The directions of the texture, over so small a part of the triangle that the finest level is read.
-    let part = 1.0 / 65536.0;
-    let change = Change(to_b * part, to_c * part, (b.uv - a.uv) * part, (c.uv - a.uv) * part);
-    vertex.normal = shading_normal(a.material, smooth_normal(interpolated, vertex.geometric), uv, change);
-    // A surface whose shading normal turns away reflects nothing to where the ray came from.
-    if dot(vertex.normal, direction) >= 0.0 {
-        vertex.surface.albedo = vec3(0.0);
-        vertex.surface.specular = vec3(0.0);
-    }
-    return vertex;
+    return vertex_on_triangle(hit.triangle, hit.barycentrics, direction);
 }
