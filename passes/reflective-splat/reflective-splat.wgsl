@@ -66,6 +66,10 @@ var<storage, read> texel_cdf: array<f32>;
 /// Sums over the maps.
 var<storage, read> map_cdf: array<f32>;
 
+/// The most lights on a surface that maps of other lights are expected to put there, over those of lights that are spread over the
+/// scene.
+const MOST_SHARED: f32 = 4.0;
+
 /// Index of a sample where there is none.
 const NO_SAMPLE: u32 = 0xffffffffu;
 
@@ -287,11 +291,13 @@ fn draw(row: Row) {
         // DEVIATION(least-probability): choose bounds it from below.
         let map = choose(Distribution(true, 0u), settings.maps, numbers.x);
         let texel = choose(Distribution(false, map.index), settings.map * settings.map, numbers.y);
-        let weight = 1.0 / (f32(settings.count) * texel.probability);
         light = reflection(map.index, texel_on_curve(texel.index));
-        // The lights that the other maps put on a surface lie as densely there as if they were this map's.
-        light.area = weight_of(light.area * weight);
-        light.flux = weights_of(light.flux * (weight / map.probability));
+        // Density of lights there [1/m²]: those of this map, and those of the others, which mostly see the same surfaces, but not what
+        // is lit by this map's light alone because it is near.
+        let own = texel.probability / light.area;
+        let density = mix(min(own, MOST_SHARED / scene_info.area), own, map.probability);
+        light.area = weight_of(1.0 / (f32(settings.count) * density));
+        light.flux = weights_of(light.flux / (f32(settings.count) * map.probability * texel.probability));
     }
     reflected.lights[index] = light;
 }
