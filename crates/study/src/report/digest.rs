@@ -9,7 +9,7 @@ use crate::claim::Seeds;
 use crate::{Axis, AxisValue, Cell, Interval, MeasureInfo, Outcome, Results};
 
 /// The measure that is a pipeline's GPU time; if a study does not have it, the sum of the passes is used.
-const TIME: &str = "gpu-ms";
+pub(super) const TIME: &str = "gpu-ms";
 
 /// Returns whether a measure is a GPU time, of a frame or of a phase: those of two adapters are not comparable.
 pub(crate) fn is_time(key: &str) -> bool {
@@ -23,6 +23,8 @@ pub(crate) struct Digest<'a> {
     pub(super) scenes: Vec<&'a str>,
     /// Names of the pipelines, likewise; where several adapters ran the cells, each with an adapter.
     pub(super) pipelines: Vec<String>,
+    /// Names of the pipelines alone.
+    names: Vec<&'a str>,
     /// Number of adapters that ran the cells.
     pub(super) adapters: usize,
     /// Rows by scene, pipeline and values, in the study's order.
@@ -89,7 +91,8 @@ impl<'a> Digest<'a> {
         let name = |pipeline: &str| -> Vec<String> {
             adapters.iter().map(|(_, suffix)| format!("{pipeline}{suffix}")).collect()
         };
-        let pipelines = pipelines.into_iter().flat_map(name).collect();
+        let names = pipelines;
+        let pipelines = names.iter().copied().flat_map(name).collect();
         let adapters = adapters.len();
         // Values that are not in the study come last, in the order of the cells: the sort is stable.
         let rank = |row: &Row<'_>| -> Vec<usize> {
@@ -100,7 +103,7 @@ impl<'a> Digest<'a> {
         };
         rows.sort_by_cached_key(rank);
         let taken = (0..study.axes.len()).map(|axis| taken(&study.axes[axis], axis, &rows)).collect();
-        Digest { results, scenes, pipelines, adapters, rows, taken }
+        Digest { results, scenes, pipelines, names, adapters, rows, taken }
     }
 
     /// Returns the groups of rows whose values of a measure are comparable, by their indices: all, or those of each adapter.
@@ -112,6 +115,16 @@ impl<'a> Digest<'a> {
             (0..rows.len()).filter(|row| rows[*row].pipeline % self.adapters == adapter).collect()
         };
         (0..self.adapters).map(of).collect()
+    }
+
+    /// Returns the curves of a measure: the name of each, and the index of its pipeline in `pipelines`. Where the cells of all
+    /// adapters count, a pipeline has one.
+    pub(super) fn curves(&self, key: &str) -> Vec<(String, Vec<usize>)> {
+        if is_time(key) || self.results.study.budget_of_time {
+            return self.pipelines.iter().cloned().zip((0..).map(|index| vec![index])).collect();
+        }
+        let all = |place: usize| (place * self.adapters..(place + 1) * self.adapters).collect();
+        self.names.iter().enumerate().map(|(place, name)| ((*name).to_owned(), all(place))).collect()
     }
 
     /// Says for captions which cells the errors are of, where several adapters ran them.

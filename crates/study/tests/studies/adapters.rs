@@ -48,6 +48,9 @@ fn no_curve_has_times_of_two_adapters() {
     for mean in [4.32, 5.28, 9.12] {
         assert!(!chart.contains(&format!("{mean}")), "{mean}");
     }
+    let errors = fs::read_to_string(folder.path().join("figures/box-rmse-over-lights.svg")).unwrap();
+    assert!(errors.contains(">fast</text>") && !errors.contains(">fast · "), "one curve: {errors}");
+    assert_eq!(errors.matches("4 seeds").count(), 3, "of the cells of both: {errors}");
     let time = fs::read_to_string(folder.path().join("figures/box-rmse-time.svg")).unwrap();
     assert!(time.contains("fast · abacus") && !time.contains("Pareto"), "{time}");
     let summary = fs::read_to_string(folder.path().join("summary.csv")).unwrap();

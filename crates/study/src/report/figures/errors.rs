@@ -2,7 +2,7 @@
 
 use super::{Figure, Kind, file};
 use crate::Interval;
-use crate::report::digest::{Digest, Row, distinct, label_with_unit};
+use crate::report::digest::{Digest, Row, TIME, distinct, label_with_unit};
 use crate::{AxisValue, Better, MeasureInfo};
 use report::{AxisKind, Line, MOST_DASHES, Point, Series, XyAxis, XyChart, number};
 
@@ -51,7 +51,7 @@ fn time_chart(
         let of = |combination: &Combination<'_>| *combination == group(row, rest);
         if are_distinct { combinations.iter().position(of).unwrap_or(0) } else { 0 }
     };
-    let series = series(digest, scene, &(joined, rest), &dashes, &point);
+    let series = series(digest, scene, TIME, &(joined, rest), &dashes, &point);
     let points = points(&series);
     if points.is_empty() {
         return None;
@@ -158,7 +158,7 @@ fn axis_chart(
             ..Point::default()
         })
     };
-    let series = series(digest, scene, &(Some(axis), rest), &|_| 0, &point);
+    let series = series(digest, scene, &measure.key, &(Some(axis), rest), &|_| 0, &point);
     let points = points(&series);
     if points.is_empty() {
         return None;
@@ -199,19 +199,29 @@ fn axis_chart(
     })
 }
 
-/// Returns a series for each pipeline, with a line for each combination of its values on `rest`, along `axis`
+/// Returns a series for each curve of a measure, with a line for each combination of its values on `rest`, along `axis`
 /// in ascending order.
 fn series(
     digest: &Digest<'_>,
     scene: usize,
+    key: &str,
     &(axis, rest): &(Option<usize>, &[usize]),
     dashes: &dyn Fn(&Row<'_>) -> usize,
     point: &dyn Fn(&Row<'_>) -> Option<Point>,
 ) -> Vec<Series> {
-    let one = |(index, name): (usize, &String)| {
+    let one = |(index, (name, pipelines)): (usize, (String, Vec<usize>))| {
         let mut lines: Vec<(Combination<'_>, Vec<(&Row<'_>, Point)>)> = Vec::new();
-        for row in digest.of_scene(scene).filter(|row| row.pipeline == index) {
-            let Some(point) = point(row) else { continue };
+        let mut seen = Vec::new();
+        for row in digest.of_scene(scene).filter(|row| pipelines.contains(&row.pipeline)) {
+            // Of rows that adapters share, the first stands for all.
+            if pipelines.len() > 1 && seen.contains(&&row.values) {
+                continue;
+            }
+            seen.push(&row.values);
+            let Some(mut point) = point(row) else { continue };
+            if pipelines.len() > 1 {
+                point.tip = point.tip.replacen(&digest.pipelines[row.pipeline], &name, 1);
+            }
             let key = group(row, rest);
             // Without an axis along which to join points, each point is its own line.
             match lines.iter_mut().find(|(other, _)| axis.is_some() && *other == key) {
@@ -233,9 +243,9 @@ fn series(
             points: line.into_iter().map(|(_, point)| point).collect(),
         };
         let lines: Vec<Line> = lines.into_iter().map(line).collect();
-        (!lines.is_empty()).then(|| Series { name: name.clone(), index, lines })
+        (!lines.is_empty()).then_some(Series { name, index, lines })
     };
-    digest.pipelines.iter().enumerate().filter_map(one).collect()
+    digest.curves(key).into_iter().enumerate().filter_map(one).collect()
 }
 
 /// Returns the corners of the Pareto front in ascending order of x: smaller x is better; for y, `better`
