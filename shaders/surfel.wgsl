@@ -16,9 +16,6 @@ const SMALL_RADIUS: f32 = 0.5;
 /// The same of a surfel that ends with its triangle: where it overlaps others, it stores what they store.
 const LARGE_RADIUS: f32 = 1.2;
 
-/// Radius over distance from which on a disc comes near the light.
-const NEAR: f32 = 0.5;
-
 /// What a thread splats.
 struct Splat {
     /// The point; its area is 0 where there is none.
@@ -107,11 +104,8 @@ fn surfel_of(splat: Splat, light: VirtualLight, frame: mat3x3<f32>, tile: u32, s
     surfel.edges = mat3x3(cross(b, c), cross(c, a), cross(a, b));
     surfel.triangle = splat.point.triangle;
     // In an orthographic map, x and y are the same directions everywhere, as in the middle of a paraboloid one.
-    let is_far = light.kind == INFINITELY_FAR;
-    let extent = disc_extent(surfel.normal, select(centre, vec2(0.0), is_far));
-    // The image of a disc that comes near the light is far larger: from a corner, a wall is half of what is seen.
-    let is_near = !is_far && surfel.radius > NEAR * distance;
-    surfel.reach = min(select(surfel.radius * density * extent, vec2(side), is_near), vec2(0.5 * side));
+    let extent = disc_extent(surfel.normal, select(centre, vec2(0.0), light.kind == INFINITELY_FAR));
+    surfel.reach = min(surfel.radius * density * extent, vec2(0.5 * side));
     return surfel;
 }
 

@@ -70,6 +70,9 @@ var<storage, read> map_cdf: array<f32>;
 /// scene.
 const MOST_SHARED: f32 = 4.0;
 
+/// Radius over distance from which on a surfel comes near the light.
+const NEAR: f32 = 0.5;
+
 /// Index of a sample where there is none.
 const NO_SAMPLE: u32 = 0xffffffffu;
 
@@ -105,8 +108,14 @@ fn splat(row: Row) {
     }
     let tile = settings.map;
     // DEVIATION(surfel): the paper draws shaded squares.
-    let surfel = surfel_of(splat, light, frame, tile, settings.splat_scale, f32(tile));
-    let centre = map_position(light.kind, splat.local, map_distance(light.kind, splat.local));
+    var surfel = surfel_of(splat, light, frame, tile, settings.splat_scale, f32(tile));
+    let from_light = map_distance(light.kind, splat.local);
+    // The image of a triangle that comes near the light is far larger than that of a small disc: from a corner, a wall is half of
+    // what is seen.
+    if light.kind == ON_SURFACE && !surfel.is_small && surfel.radius > NEAR * from_light {
+        surfel.reach = vec2(0.5 * f32(tile));
+    }
+    let centre = map_position(light.kind, splat.local, from_light);
     let texels = texels_about(centre, surfel.reach, tile);
     for (var i = 0u; i < texels.size.x * texels.size.y; i++) {
         let texel = texels.first + vec2(i % texels.size.x, i / texels.size.x);

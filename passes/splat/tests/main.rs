@@ -324,56 +324,6 @@ fn surfels_are_cut_out_as_their_triangles_are() {
     }
 }
 
-/// From close to a wall, the wall is half of the map.
-#[test]
-fn maps_of_lights_in_corners_see_the_wall() {
-    let scene = pass_test::rooms::furnace([0.0; 3], [0.5; 3]);
-    // 60 by 60 points of the wall at x = -1, in squares of 33 mm.
-    let middle = |i: u32| (f64::from(i) + 0.5) / 30.0 - 1.0;
-    let wall = |at: DVec3| {
-        let corner =
-            |i: u32| glam::Vec3::from(scene.vertices[scene.indices[i as usize] as usize].position).as_dvec3();
-        let inside = |triangle: u32| {
-            let corners = [0, 1, 2].map(|i| corner(3 * triangle + i));
-            let sides = [0, 1, 2].map(|i| (corners[(i + 1) % 3] - corners[i]).cross(at - corners[i]).x);
-            corners.iter().all(|corner| corner.x < -0.999)
-                && (sides.iter().all(|side| *side >= 0.0) || sides.iter().all(|side| *side <= 0.0))
-        };
-        (0..scene.indices.len() as u32 / 3).find(|triangle| inside(*triangle)).expect("it is on the wall")
-    };
-    let points: Vec<[u32; 8]> = (0..3600)
-        .map(|i| dvec3(-1.0, middle(i % 60), middle(i / 60)))
-        .map(|at| {
-            let [x, y, z] = at.as_vec3().to_array().map(f32::to_bits);
-            [x, y, z, wall(at), 1f32.to_bits(), 0, 0, 0]
-        })
-        .collect();
-    let normal = DVec3::Y;
-    for off in [0.1, 0.01, 0.001] {
-        let position = dvec3(-1.0 + off, -1.0, 0.2);
-        let outputs = Harness::new(splat::PASS)
-            .with_scene(scene.clone())
-            .set("map", 64)
-            .set("candidates", 1)
-            .set("points_per_map", 3600)
-            .input("points", "Points", &[("count", 3600)], elements(&points))
-            .module(STORED)
-            .lights(&[light_at(position, normal)])
-            .run();
-        let Some(outputs) = outputs else { return };
-        for (i, bits) in (0..).zip(outputs.read::<u32>("depth")) {
-            let at = texel_centre(uvec2(i % 64, i / 64), 64);
-            let direction = frame_from_normal(normal) * direction_from_paraboloid(at);
-            let hit = position - direction / direction.x * off;
-            // Away from the edges of the wall and the horizon of the light.
-            if at.length() < 0.98 && direction.x < 0.0 && hit.y < 0.98 && hit.z.abs() < 0.98 {
-                let (got, wanted) = (f64::from(f32::from_bits(bits)), hit.distance(position));
-                assert!((got - wanted).abs() < 1e-3 * wanted, "texel {i} at {off} m: {got} for {wanted}");
-            }
-        }
-    }
-}
-
 /// Half of the points are behind the light: of two candidates, a splat takes the one before it.
 #[test]
 fn candidates_are_taken_by_the_solid_angle_they_cover() {
