@@ -4,8 +4,10 @@
 use crate::adapter::{gpu, root};
 use crate::program::{Done, Folder, QUICK, command, wait_for};
 use metrics::Image;
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::time::{Duration, SystemTime};
 
 fn lightloom() -> Command {
     command(&root())
@@ -54,8 +56,11 @@ fn pictures_of_a_killed_program_are_whole_and_what_is_half_is_cleared() {
         child.wait().unwrap();
         assert!(!pictures(&folder).is_empty());
     }
-    // As a program leaves it that was killed in the middle of a file.
-    std::fs::write(folder.at(".lightloom-killed.part"), "half").unwrap();
+    // As a program on another machine left it, which was killed in the middle of a file two days ago.
+    let part = folder.at(".lightloom-killed.part");
+    std::fs::write(&part, "half").unwrap();
+    let days = Duration::from_secs(2 * 24 * 3600);
+    File::options().write(true).open(&part).unwrap().set_modified(SystemTime::now() - days).unwrap();
     Done::of(&mut render("1")).success();
     assert!(!names(&folder).iter().any(|name| is_part(name)), "{:?}", names(&folder));
 }
