@@ -17,9 +17,9 @@ const FRAME: f64 = 1.0;
 /// A picture of 8 bits.
 #[derive(Clone, Debug)]
 pub struct Raster {
-    /// Width [px].
+    /// Width \[px\].
     pub width: usize,
-    /// Height [px].
+    /// Height \[px\].
     pub height: usize,
     /// Red, green and blue of each pixel, by rows from above.
     pub rgb: Vec<u8>,
