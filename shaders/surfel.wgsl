@@ -26,15 +26,22 @@ struct Splat {
     sample: u32,
 }
 
-/// Returns the splat of an index among those of all maps, in a block of maps: one of as many points of its map as there are
-/// candidates. (Talbot et al. 2005)
+/// Returns the map of the splat of an index among those of all maps: within a block, maps take turns.
+fn map_of_splat(samples: SamplesWanted, candidates: u32, index: u32) -> u32 {
+    let bits = samples.block_bits;
+    let block = (index >> bits) / (samples.per_map / candidates);
+    return (block << bits) + (index & ((1u << bits) - 1u));
+}
+
+/// Returns the splat of an index among those of a map and all others: one of as many points of its map as there are candidates.
+/// (Talbot et al. 2005)
 fn chosen(
-    samples: SamplesWanted, candidates: u32, index: u32, block: u32, light: VirtualLight, frame: mat3x3<f32>,
+    samples: SamplesWanted, candidates: u32, index: u32, map: u32, light: VirtualLight, frame: mat3x3<f32>,
 ) -> Splat {
     // The splats of a map. Points of a map that are this far apart in its order are far apart in the scene.
     let stride = samples.per_map / candidates;
     let bits = samples.block_bits;
-    let first = index + (block * (samples.per_map - stride) << bits);
+    let first = index + ((map >> bits) * (samples.per_map - stride) << bits);
     var splat: Splat;
     var sum = 0.0;
     var share = 1.0;

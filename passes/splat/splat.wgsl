@@ -99,16 +99,14 @@ fn splat(row: Row) {
     if index >= settings.end {
         return;
     }
-    let bits = settings.samples.block_bits;
-    let block = (index >> bits) / (settings.samples.per_map / settings.candidates);
-    let map = (block << bits) + (index & ((1u << bits) - 1u));
+    let map = map_of_splat(settings.samples, settings.candidates, index);
     // The map of a dark light is never looked up.
     if map >= min(lights.count, settings.samples.maps) || all(lights.lights[map].flux == vec3(0.0)) {
         return;
     }
     let light = lights.lights[map];
     let frame = frame_from_normal(light.normal);
-    let splat = chosen(settings.samples, settings.candidates, index, block, light, frame);
+    let splat = chosen(settings.samples, settings.candidates, index, map, light, frame);
     if splat.point.area <= 0.0 {
         return;
     }

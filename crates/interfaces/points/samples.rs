@@ -25,6 +25,29 @@ impl SurfaceSamples {
         Ok(SurfaceSamples { maps, per_map: per_map.min(count), block })
     }
 
+    /// Requests the samples of so many splats for each of a number of maps, each chosen from some candidates; returns them with
+    /// the number of candidates. Splats are whole, within the budget of samples and within the points that there are.
+    ///
+    /// # Errors
+    /// Where the producer of `points` lacks facts of its interface.
+    pub fn of_splats(
+        cx: &RecordContext<'_>,
+        maps: u32,
+        splats: u32,
+        candidates: u32,
+        budget: u32,
+    ) -> Result<(SurfaceSamples, u32), PassTypeError> {
+        let most = (budget / maps.max(1)).clamp(1, cx.fact("points", COUNT)?.max(1));
+        let candidates = candidates.min(most);
+        let per_map = splats.min(most / candidates) * candidates;
+        Ok((SurfaceSamples::new(cx, maps, per_map)?, candidates))
+    }
+
+    /// Returns how many samples each map has.
+    pub fn per_map(&self) -> u32 {
+        self.per_map
+    }
+
     /// Returns how many maps take turns: the samples of this many maps, from a multiple of it on, are next to each other.
     pub fn block(&self) -> u32 {
         self.block

@@ -1,7 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 use gpu_algorithms::segmented_scan;
-use interfaces::points::{self, SurfaceSamples};
+use interfaces::points::SurfaceSamples;
 use interfaces::virtual_lights;
 use pass::{
     Compute, LARGEST_WINDOW, OutputDesc, Outputs, PassTypeError, ReadSettings, RecordContext, Recording,
@@ -51,11 +51,9 @@ fn whole(tile: u32) -> f64 {
 
 fn record(cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
     let (maps, tile) = (cx.fact("lights", virtual_lights::COUNT)?, cx.settings.u32("map")?);
-    // Whole splats, within the budget and the points that there are.
-    let most = (cx.settings.u32("budget")? / maps.max(1)).clamp(1, cx.fact("points", points::COUNT)?.max(1));
-    let candidates = cx.settings.u32("candidates")?.min(most);
-    let splats = cx.settings.u32("points_per_map")?.min(most / candidates);
-    let samples = SurfaceSamples::new(cx, maps, splats * candidates)?;
+    let (candidates, budget) = (cx.settings.u32("candidates")?, cx.settings.u32("budget")?);
+    let wanted = cx.settings.u32("points_per_map")?;
+    let (samples, candidates) = SurfaceSamples::of_splats(cx, maps, wanted, candidates, budget)?;
     let splats = samples.of_maps(&(0..maps)).end / candidates;
     let shader = cx.file("reflective-splat.wgsl");
     let dispatch = |entry: &str, threads: u32, stores_samples: u32| {

@@ -1,6 +1,6 @@
 #![doc = include_str!("../README.md")]
 
-use interfaces::points::{self, SurfaceSamples};
+use interfaces::points::SurfaceSamples;
 use interfaces::{depth_atlas, virtual_lights};
 use pass::{
     Compute, LARGEST_WINDOW, OutputContext, OutputDesc, Pass, PassTypeError, ReadSettings, RecordContext,
@@ -61,16 +61,12 @@ impl Pass for Splat {
             0 => points_of_map(tile, cx.settings.f32("points_per_texel")?),
             given => given,
         };
-        // Whole splats, within the budget and the points that there are.
-        let most =
-            (cx.settings.u32("budget")? / maps.max(1)).clamp(1, cx.fact("points", points::COUNT)?.max(1));
-        let candidates = cx.settings.u32("candidates")?.min(most);
-        let splats = wanted.min(most / candidates);
-        let samples = SurfaceSamples::new(cx, maps, splats * candidates)?;
+        let (candidates, budget) = (cx.settings.u32("candidates")?, cx.settings.u32("budget")?);
+        let (samples, candidates) = SurfaceSamples::of_splats(cx, maps, wanted, candidates, budget)?;
         let side = match cx.settings.f32("max_splat")? {
             0.0 if cx.settings.text("kernel")? == "box" => {
                 let texels = points_of_map(tile, 1.0) as f32;
-                (4.0 * (texels / splats as f32).sqrt()).max(1.0)
+                (4.0 * (texels / (samples.per_map() / candidates) as f32).sqrt()).max(1.0)
             }
             0.0 => LARGEST_SURFEL,
             given => given,
