@@ -171,11 +171,20 @@ impl Viewer {
             .stderr(file("stderr"))
             .spawn()
             .unwrap();
-        let window = display.wait_for_window("Lightloom", PATIENCE);
-        let mut window = window.unwrap_or_else(|error| {
-            program.kill().unwrap();
-            panic!("{error}: {}", std::fs::read_to_string(home.at("stderr")).unwrap())
-        });
+        let mut window = loop {
+            match display.wait_for_window("Lightloom", Duration::from_secs(1)) {
+                Ok(window) => break window,
+                Err(error) => {
+                    let ended = program.try_wait().unwrap();
+                    if ended.is_some() || start.elapsed() > PATIENCE {
+                        let printed = std::fs::read_to_string(home.at("stderr")).unwrap();
+                        // It fails only where the program has ended.
+                        let _ = program.kill();
+                        panic!("{error} ({ended:?}): {printed}");
+                    }
+                }
+            }
+        };
         let still = STILL.max(3 * start.elapsed());
         window.resize(width, height);
         Some(Viewer {
