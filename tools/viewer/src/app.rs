@@ -17,7 +17,7 @@ use crate::pilot::Pilot;
 use crate::remembered::Remembered;
 use crate::snapshots::Snapshots;
 use crate::textures::Textures;
-use crate::viewport;
+use crate::viewport::{self, FrameSize};
 use eframe::egui::{self, CentralPanel, Context, FontDefinitions, FontFamily, Panel, ScrollArea, Ui};
 use frame_graph::Overrides;
 use renderer::Catalog;
@@ -45,6 +45,8 @@ pub(crate) struct App {
     pub(crate) runs_everything: bool,
     /// The resolution that is chosen by how long frames take.
     pub(crate) auto: Auto,
+    /// The size that frames are to have.
+    pub(crate) frame_size: FrameSize,
     /// Whether the reference is wanted.
     pub(crate) reference: bool,
     /// Whether B is shown where the view flickers.
@@ -137,6 +139,7 @@ impl App {
             timing: true,
             runs_everything: false,
             auto: Auto::default(),
+            frame_size: FrameSize::default(),
             reference: false,
             flicked: false,
             graph: panel::graph::Graph::default(),

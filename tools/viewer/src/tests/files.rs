@@ -42,7 +42,6 @@ fn pictures_are_written_in_the_size_that_is_set() {
     harness.run_steps(4);
     harness.get_by_label_contains("F12 takes it too");
     pump(&mut harness, |app| app.now.side(SideId::A).is_some_and(|side| side.idle));
-    let shown = harness.state().now.side(SideId::A).unwrap().plan.frame;
     // An output, and a resource that nothing keeps.
     for (output, name) in [("image", "a.exr"), ("gather", "b.exr")] {
         let path = folder.path().join(name);
@@ -59,7 +58,9 @@ fn pictures_are_written_in_the_size_that_is_set() {
         let image = Image::read(&path).unwrap();
         assert_eq!((image.width(), image.height()), (50, 34));
     }
-    // What is shown has its own size again.
-    let back = |app: &App| app.now.side(SideId::A).is_some_and(|side| side.plan.frame == shown && side.idle);
+    // What is shown has its own size again: that which the window asked for last, as its panels may have moved meanwhile.
+    let back = |app: &App| {
+        app.now.side(SideId::A).is_some_and(|side| side.plan.frame == app.frame_size.sent && side.idle)
+    };
     pump(&mut harness, back);
 }

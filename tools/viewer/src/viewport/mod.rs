@@ -30,12 +30,13 @@ const TURN: f32 = 0.005;
 /// The whole of a texture.
 pub(crate) const WHOLE: Rect = Rect { min: Pos2::ZERO, max: pos2(1.0, 1.0) };
 
-/// The size that frames are to have, once the window rests.
-#[derive(Clone, Copy, Default)]
-struct Wanted {
-    size: (u32, u32),
+/// The size that frames are to have, in pixels, once the window rests.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct FrameSize {
+    wanted: (u32, u32),
     since: Option<Instant>,
-    sent: (u32, u32),
+    /// What the engine was asked for last; zeros before.
+    pub(crate) sent: (u32, u32),
 }
 
 /// Where a picture is on the screen.
@@ -147,24 +148,22 @@ fn ask_for_size(app: &mut App, ui: &Ui, rect: Rect) {
     if app.now.adapter.is_empty() {
         return;
     }
-    let id = ui.scope_id().with("frame size");
-    let mut wanted: Wanted = ui.data(|data| data.get_temp(id)).unwrap_or_default();
     let scale = app.resolution() * ui.pixels_per_point();
     let side = |points: f32| ((points * scale).round() as u32).clamp(16, 8192);
     let size = (side(rect.width()), side(rect.height()));
-    if wanted.size != size {
-        (wanted.size, wanted.since) = (size, Some(Instant::now()));
+    let frame = &mut app.frame_size;
+    if frame.wanted != size {
+        (frame.wanted, frame.since) = (size, Some(Instant::now()));
     }
-    let rests = wanted.sent == (0, 0) || wanted.since.is_some_and(|since| since.elapsed() > SETTLED);
-    if wanted.sent != size {
+    let rests = frame.sent == (0, 0) || frame.since.is_some_and(|since| since.elapsed() > SETTLED);
+    if frame.sent != size {
         if rests {
             app.engine.send(Command::Size(size));
-            wanted.sent = size;
+            frame.sent = size;
         } else {
             ui.ctx().request_repaint_after(SETTLED);
         }
     }
-    ui.data_mut(|data| data.insert_temp(id, wanted));
 }
 
 /// Draws the picture of a side, or of what differs; returns where.
