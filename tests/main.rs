@@ -34,6 +34,7 @@ mod reports;
 mod rerun;
 mod sequential;
 mod skies;
+mod sources;
 mod still;
 mod stress;
 mod study;

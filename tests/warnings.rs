@@ -9,7 +9,7 @@ use renderer::{Assets, Catalog, Compiled};
 fn warnings_with(pipeline: &str, traits: &[&str]) -> String {
     let catalog = Catalog::new(Assets::new(None));
     let mut known = renderer::load_scene(&catalog, "cornell-box").expect("it is built in").traits();
-    known.0.extend(traits.iter().map(|name| ((*name).to_owned(), Value::Bool(true))));
+    known.values.extend(traits.iter().map(|name| ((*name).to_owned(), Value::Bool(true))));
     let context = LinkContext { frame: (16, 16), traits: known };
     let (set, options) = (Overrides::default(), renderer::compile_options());
     let compiled = Compiled::new(&catalog, pipeline, &set, &context, &options);
@@ -254,7 +254,7 @@ fn a_difference_in_samples_is_shown() {
 fn too_many_lights_are_named_as_such() {
     let catalog = Catalog::new(Assets::new(None));
     let mut traits = renderer::load_scene(&catalog, "cornell-box").expect("it is built in").traits();
-    traits.0.insert("light_layers".to_owned(), Value::U32(6000));
+    traits.values.insert("light_layers".to_owned(), Value::U32(6000));
     let context = LinkContext { frame: (16, 16), traits };
     let options = renderer::compile_options();
     let refused = Compiled::new(&catalog, "ism", &Overrides::default(), &context, &options);

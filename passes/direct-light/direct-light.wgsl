@@ -7,6 +7,7 @@
 #input view: GBuffer // The surfaces to light.
 #input rsm: ReflectiveShadowMap // What the lights see; its positions are the shadow maps.
 #output direct: Radiance // Direct light, reflected towards the camera.
+#lights
 
 #option VIEW_SPECULAR false // whether the G-buffer has the member `specular`
 

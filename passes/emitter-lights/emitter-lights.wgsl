@@ -1,6 +1,7 @@
 // Puts virtual lights on the surfaces that emit: their light is direct light. [ISM §5.1]
 
 #output lights: VirtualLights(count: settings.count) // N lights; all are dark where nothing emits.
+#lights
 
 #option EMISSIVE false // whether any surface emits
 #option MASKED false // whether triangles do not count where alpha is below their material's cutoff

@@ -8,6 +8,7 @@
 #input points: SurfacePoints // The points whose radiosity is computed.
 #input past: Radiosity optional // The radiosity that is known: `prev` of the output, reset by `Scene`, `Reload`, `Setting` and `Moved`.
 #output radiosity: Radiosity(count: points.count) // The radiosity of each point.
+#lights
 
 #option PAST false // whether there are radiosities of earlier frames
 #option ALBEDO mean one_of [mean, textured] // Reflectance of surfaces that paths meet. mean: textures are replaced by their

@@ -2,6 +2,7 @@
 // light. [Dachsbacher & Stamminger 2005, §3.1]
 
 #output rsm: ReflectiveShadowMap(size: settings.size, layers: max(scene.light_layers, 1)) // What the lights see.
+#lights
 
 #option GLOSSY false // whether the map has the member `specular`
 

@@ -6,6 +6,7 @@
 #input iteration: SurfacePoints optional // Points whose iteration chooses the sequence of photons. Without it, the sequence is the
     // same in every frame.
 #output lights: VirtualLights(count: settings.count) // A light for each photon and bounce; dark where it left the scene.
+#lights
 
 #option ITERATION false // whether each iteration has photons of its own
 #if ITERATION

@@ -47,5 +47,5 @@ fn traits_of_scenes_are_known_to_passes() {
     let scene = scene::load("empty", &SceneAssets(assets())).unwrap();
     let mut known = pass::scene_bindings::TRAITS.map(str::to_owned);
     known.sort();
-    assert_eq!(scene.traits().0.into_keys().collect::<Vec<_>>(), known);
+    assert_eq!(scene.traits().values.into_keys().collect::<Vec<_>>(), known);
 }

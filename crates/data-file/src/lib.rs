@@ -20,4 +20,4 @@ pub use diagnostic::{
 pub use files::{Files, MAX_TEXT, read_text, read_text_bytes, why_unreadable};
 /// A name of a pass, a port, an interface or a member: text that is cheap to copy.
 pub use smol_str::SmolStr as Name;
-pub use value::{Misfit, Setting, Settings, Traits, Value, ValueType};
+pub use value::{LightSource, Misfit, Setting, Settings, Traits, Value, ValueType};

@@ -133,7 +133,28 @@ impl Settings {
 ///
 /// Switches read them as `scene.NAME`. The names and types are the scene's own; the core knows none.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Traits(pub BTreeMap<String, Value>);
+pub struct Traits {
+    /// The traits by name.
+    pub values: BTreeMap<String, Value>,
+    /// The lights, in the scene's order, then the materials that emit: what a pass can be told to take alone.
+    pub sources: Vec<LightSource>,
+}
+
+/// A source of light as a pipeline names it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LightSource {
+    /// The name in the scene's file.
+    pub name: String,
+    /// The layers of its shadow maps; 0 for a material.
+    pub layers: u32,
+}
+
+impl Traits {
+    /// Returns the traits of these values, of a scene whose lights have no names.
+    pub fn new(values: BTreeMap<String, Value>) -> Traits {
+        Traits { values, sources: Vec::new() }
+    }
+}
 
 impl From<bool> for Value {
     fn from(value: bool) -> Value {

@@ -36,7 +36,7 @@ impl<'a> FrameObjects<'a> {
         match source {
             Source::Resource(id) => Some(self.current(*id)),
             Source::Past(id) => Some(self.past(*id)),
-            Source::SceneBinding(_) | Source::Uniform(_) => None,
+            Source::SceneBinding(_) | Source::ChosenLights { .. } | Source::Uniform(_) => None,
         }
     }
 

@@ -4,6 +4,7 @@ use crate::error::ExecutorError;
 use crate::format::texture_format;
 use crate::gpu::Gpu;
 use frame_graph::ResourceDesc;
+use std::sync::Arc;
 use wgpu::{BufferUsages, TextureUsages};
 
 /// A texture or a buffer.
@@ -32,6 +33,9 @@ pub enum SceneBinding {
     /// The acceleration structure for ray queries.
     AccelerationStructure(wgpu::Tlas),
 }
+
+/// A scene binding that holds but the light of some sources: the global, and the names of the sources.
+pub(crate) type ChosenLights = (&'static str, Arc<[String]>);
 
 /// The uses of an object, in addition to being bound and read back.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -6,7 +6,7 @@ mod load;
 use crate::current::LayerViews;
 use crate::error::ExecutorError;
 use crate::gpu::Gpu;
-use crate::object::{Object, ObjectUsage, Pool, SceneBinding};
+use crate::object::{ChosenLights, Object, ObjectUsage, Pool, SceneBinding};
 use crate::pipeline::Pipelines;
 use crate::readback;
 use crate::step::{LoadedStep, usages as usages_of};
@@ -76,6 +76,7 @@ pub struct Executor {
     pool: Pool,
     pipelines: Pipelines,
     scene_bindings: HashMap<&'static str, SceneBinding>,
+    chosen_lights: HashMap<ChosenLights, wgpu::Buffer>,
     scene_indices: u32,
     seed: u32,
     loaded: Option<Loaded>,
@@ -112,6 +113,7 @@ impl Executor {
             pool: Pool::default(),
             pipelines: Pipelines::default(),
             scene_bindings: HashMap::new(),
+            chosen_lights: HashMap::new(),
             scene_indices: 0,
             seed: 0,
             loaded: None,
@@ -144,6 +146,18 @@ impl Executor {
     /// Sets a scene binding. The name is one of [`pass::scene_bindings::GLOBALS`].
     pub fn set_scene_binding(&mut self, name: &'static str, binding: SceneBinding) {
         self.scene_bindings.insert(name, binding);
+        self.forget_binding(name);
+    }
+
+    /// Sets what a scene binding of lights is to steps that take but the sources of these names: see
+    /// [`pass::LinkedStep::chosen_lights`].
+    pub fn set_chosen_lights(&mut self, name: &'static str, sources: Arc<[String]>, buffer: wgpu::Buffer) {
+        self.chosen_lights.insert((name, sources), buffer);
+        self.forget_binding(name);
+    }
+
+    /// Drops the bind groups that hold a scene binding.
+    fn forget_binding(&mut self, name: &str) {
         for step in self.loaded.iter_mut().flat_map(|loaded| loaded.steps.iter_mut().flatten()) {
             step.forget_binding(name);
         }

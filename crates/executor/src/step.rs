@@ -2,7 +2,7 @@
 
 use crate::current::{FrameObjects, LayerViews};
 use crate::gpu::Gpu;
-use crate::object::{Object, ObjectUsage, SceneBinding};
+use crate::object::{ChosenLights, Object, ObjectUsage, SceneBinding};
 use crate::pipeline::{Pipeline, PipelineKind, Pipelines, TargetFormats};
 use frame_graph::ResourceDesc;
 use frame_graph::plan::{AllocationId, Plan, PlannedPass, ResourceId};
@@ -42,6 +42,7 @@ enum Workgroups {
 pub(crate) struct StepContext<'a> {
     pub(crate) gpu: &'a Gpu,
     pub(crate) scene_bindings: &'a HashMap<&'static str, SceneBinding>,
+    pub(crate) chosen_lights: &'a HashMap<ChosenLights, wgpu::Buffer>,
     pub(crate) scene_indices: u32,
     pub(crate) uniforms: Option<&'a wgpu::Buffer>,
     pub(crate) objects: FrameObjects<'a>,
@@ -86,7 +87,7 @@ impl LoadedStep {
         let alternates = |source: &Source| match source {
             Source::Resource(id) => plan.resources[id.0 as usize].history.is_some(),
             Source::Past(_) => true,
-            Source::SceneBinding(_) | Source::Uniform(_) => false,
+            Source::SceneBinding(_) | Source::ChosenLights { .. } | Source::Uniform(_) => false,
         };
         let bound = linked.bindings.iter().map(|bound| &bound.source);
         LoadedStep {
@@ -379,6 +380,14 @@ impl LoadedStep {
                 Some(SceneBinding::AccelerationStructure(tlas)) => tlas.as_binding(),
                 None => panic!("{}: the application has not set the scene binding `{name}`", self.label),
             },
+            Source::ChosenLights { global, names } => {
+                match context.chosen_lights.get(&(*global, Arc::clone(names))) {
+                    Some(buffer) => buffer.as_entire_binding(),
+                    None => {
+                        panic!("{}: the application has not set `{name}` of {}", self.label, names.join(", "))
+                    }
+                }
+            }
             Source::Uniform(index) => {
                 let buffer = context.uniforms.expect("a step that has uniforms has a place for them");
                 wgpu::BindingResource::Buffer(wgpu::BufferBinding {
@@ -397,7 +406,7 @@ pub(crate) fn bound_bytes(step: &LinkedStep, plan: &Plan, add: &mut impl FnMut(R
         let id = match &bound.source {
             Source::Resource(id) => *id,
             Source::Past(history) => plan.histories[history.0 as usize].resource,
-            Source::SceneBinding(_) | Source::Uniform(_) => continue,
+            Source::SceneBinding(_) | Source::ChosenLights { .. } | Source::Uniform(_) => continue,
         };
         if let ResourceDesc::Buffer(buffer) = &plan.resources[id.0 as usize].desc {
             add(id, bound.window.as_ref().map_or(buffer.bytes, |bytes| bytes.end - bytes.start));

@@ -116,7 +116,7 @@ pub mod xml;
 pub use compile::{CompileOptions, compile};
 pub use data_file::Name;
 pub use data_file::{Diagnostic, Diagnostics, Label, Severity, Source, Span, nearest, nearest_of_few};
-pub use data_file::{Misfit, Setting, Settings, Traits, Value, ValueType};
+pub use data_file::{LightSource, Misfit, Setting, Settings, Traits, Value, ValueType};
 pub use description::{Description, parse};
 pub use expression::{Formula, FormulaError, NameError};
 pub use frame::{Change, FrameState, ResetCause};

@@ -16,8 +16,18 @@ use std::sync::Arc;
 
 /// The most names that are offered of the files that one imports.
 const MOST_NAMES: usize = 2000;
-const DIRECTIVES: [&str; 9] =
-    ["import \"\"", "import interface \"\"", "option ", "input ", "output ", "if ", "elif ", "else", "endif"];
+const DIRECTIVES: [&str; 10] = [
+    "import \"\"",
+    "import interface \"\"",
+    "option ",
+    "lights",
+    "input ",
+    "output ",
+    "if ",
+    "elif ",
+    "else",
+    "endif",
+];
 /// The words of the declaration of a setting.
 const OF_SETTINGS: [&str; 6] = ["default", "min", "max", "unit", "one_of", "bool"];
 

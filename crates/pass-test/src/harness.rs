@@ -297,7 +297,7 @@ impl<'a> Harness<'a> {
             }
         };
         let mut traits = scene.traits();
-        traits.0.extend(self.traits.clone());
+        traits.values.extend(self.traits.clone());
         let (plan, steps) = self.compile(traits, library(order)).map_err(ExecutorError::Shader)?;
         let dispatches = steps.iter().flatten().any(|step| matches!(step.step, Step::Compute(_)));
         let mut executor = Executor::new(gpu);

@@ -21,7 +21,7 @@ pub fn outputs_of(
     let named = |values: &[(&str, Value)]| {
         values.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect()
     };
-    let (settings, traits) = (Settings(named(settings)), Traits(named(traits)));
+    let (settings, traits) = (Settings(named(settings)), Traits::new(named(traits)));
     let linked: Vec<String> = inputs.iter().map(|input| input.name.to_string()).collect();
     let use_ = Use { kind: pass.kind(), shader: None, inputs: &linked, outputs: &BTreeMap::new() };
     let shaders = crate::shaders();

@@ -14,6 +14,7 @@
 
 pub mod codes;
 pub mod declaration;
+pub mod lights;
 mod link;
 mod record;
 pub mod reflected;
@@ -22,9 +23,9 @@ mod settings;
 mod split;
 
 pub use frame_graph::{
-    Clear, Content, Extent, Fact, FactDecl, FactValue, Facts, Figure, Format, InputPort, Interface, Member,
-    Module, Name, OutputContext, OutputDesc, OutputPort, PassTypeError, Ports, ResourceDesc, SceneBindings,
-    Setting, Settings, Struct, Traits, Usage, Use, Value, ValueType,
+    Clear, Content, Extent, Fact, FactDecl, FactValue, Facts, Figure, Format, InputPort, Interface,
+    LightSource, Member, Module, Name, OutputContext, OutputDesc, OutputPort, PassTypeError, Ports,
+    ResourceDesc, SceneBindings, Setting, Settings, Struct, Traits, Usage, Use, Value, ValueType,
 };
 pub use link::{
     Bound, BoundLayout, FrameValue, FrameWord, LinkedStep, LinkedSteps, PastFact, Source, UniformFill,

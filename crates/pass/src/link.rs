@@ -3,7 +3,7 @@
 
 use crate::codes;
 use crate::record::{Compute, Draw, PortDesc, Raster, RecordContext, Recording, Step, WINDOW_ALIGNMENT};
-use crate::{Interface, Pass, declaration, scene_bindings};
+use crate::{Interface, Pass, declaration, lights, scene_bindings};
 use data_file::Code;
 use fit::{describe, describe_global, mismatch};
 use frame_graph::plan::{Begins, HistoryId, PassId, Plan, PlannedPass, ResourceId};
@@ -30,6 +30,13 @@ pub enum Source {
     Past(HistoryId),
     /// A scene binding, by the global's name.
     SceneBinding(&'static str),
+    /// A scene binding that holds but the light of the sources of these names.
+    ChosenLights {
+        /// The global's name.
+        global: &'static str,
+        /// The names of lights, and of materials that emit.
+        names: Arc<[String]>,
+    },
     /// A uniform of the step: index into [`LinkedStep::uniforms`].
     Uniform(usize),
 }
@@ -73,7 +80,15 @@ impl LinkedStep {
     /// Returns the scene bindings that the step reads, by the names of their globals.
     pub fn scene_bindings(&self) -> impl Iterator<Item = &'static str> + '_ {
         self.bindings.iter().filter_map(|bound| match bound.source {
-            Source::SceneBinding(name) => Some(name),
+            Source::SceneBinding(name) | Source::ChosenLights { global: name, .. } => Some(name),
+            _ => None,
+        })
+    }
+
+    /// Returns the names of the sources of light that the step takes alone; `None` where it takes all.
+    pub fn chosen_lights(&self) -> Option<&Arc<[String]>> {
+        self.bindings.iter().find_map(|bound| match &bound.source {
+            Source::ChosenLights { names, .. } => Some(names),
             _ => None,
         })
     }
@@ -323,7 +338,12 @@ impl StepLinker<'_> {
                     Vec::new(),
                 ));
             }
-            return Ok(Source::SceneBinding(name));
+            let chosen =
+                self.schema.iter().any(lights::is_setting).then(|| lights::chosen(&self.planned.settings));
+            return Ok(match chosen.flatten().filter(|_| lights::GLOBALS.contains(name)) {
+                Some(names) => Source::ChosenLights { global: name, names },
+                None => Source::SceneBinding(name),
+            });
         }
         let wanted = renamed.unwrap_or(&global.name);
         let named = self.names.find(wanted).ok_or_else(|| self.unknown(request, wanted, place.clone()))?;
@@ -383,7 +403,7 @@ impl StepLinker<'_> {
         let resource = match source {
             Source::Resource(id) => Some(*id),
             Source::Past(history) => Some(self.plan.histories[history.0 as usize].resource),
-            Source::SceneBinding(_) | Source::Uniform(_) => None,
+            Source::SceneBinding(_) | Source::ChosenLights { .. } | Source::Uniform(_) => None,
         };
         let why = match resource.map(|id| &self.plan.resources[id.0 as usize].desc) {
             Some(ResourceDesc::Buffer(buffer)) if bytes.is_empty() || bytes.end > buffer.bytes => {

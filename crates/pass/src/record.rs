@@ -99,12 +99,12 @@ impl<'a> RecordContext<'a> {
 
     /// Returns a count of the scene: `light_layers`, `triangles`. 0 where there is none.
     pub fn trait_u32(&self, name: &str) -> u32 {
-        self.traits.0.get(name).and_then(Value::as_u32).unwrap_or(0)
+        self.traits.values.get(name).and_then(Value::as_u32).unwrap_or(0)
     }
 
     /// Returns whether the scene has a property: `textured`, `glossy`. False where it is unknown.
     pub fn trait_bool(&self, name: &str) -> bool {
-        self.traits.0.get(name).and_then(Value::as_bool).unwrap_or(false)
+        self.traits.values.get(name).and_then(Value::as_bool).unwrap_or(false)
     }
 
     /// Returns the request for a shader with these defines, and with the modules of the connected inputs: the module of

@@ -10,6 +10,7 @@
 //! | an `#option VIEW_SPECULAR`, named as a port and a member | nothing: whether the input has the member |
 //! | an `#option TEXTURED`, named as a trait of the scene | nothing: the scene decides |
 //! | an `#option GRID false internal` | nothing: the pass decides |
+//! | `#lights` | the setting `lights`: names of the lights of the scene that the pass takes, the others being dark to it |
 //! | a global with `[scratch]` | nothing: the entry points share it |
 //! | a global with `[reads: K]` | nothing: what an earlier entry point has written to `K` |
 //! | the entry points | the steps, in the order of the text |
@@ -157,6 +158,7 @@ pub fn outputs_with(
     outputs: &OutputContext<'_>,
     values: &[(&str, Value)],
 ) -> Result<Vec<OutputDesc>, PassTypeError> {
+    crate::lights::check(outputs.settings, outputs.traits)?;
     with_known(outputs, |known| Reflected::new(cx, main, &known.of(main)))?.outputs(cx, outputs, values)
 }
 
@@ -204,7 +206,7 @@ impl Reflected {
         let mut scene_bindings = SceneBindings::NONE;
         let all_traits =
             scene_bindings::TRAITS.iter().map(|name| ((*name).to_owned(), Value::Bool(true))).collect();
-        let all_traits = Traits(all_traits);
+        let all_traits = Traits::new(all_traits);
         let of_any_scene = Known { traits: Some(&all_traits), ..*known };
         let mut load = |request: Request| {
             let selected = known.select(library, request.clone(), &declared);

@@ -177,6 +177,8 @@ impl Renderer {
         let scene_bindings = compiled.steps.iter().flatten().flat_map(|step| step.scene_bindings());
         let uploading = tracing::info_span!(target: "phase", "scene on the GPU").entered();
         self.view.provide(&mut self.executor, &self.scene.scene, scene_bindings)?;
+        let chosen = compiled.steps.iter().flatten().filter_map(|step| step.chosen_lights());
+        self.view.choose_lights(&mut self.executor, &self.scene.scene, chosen);
         drop(uploading);
         let _phase = tracing::info_span!(target: "phase", "plan on the GPU").entered();
         let report = load(&mut self.executor, Arc::clone(&compiled.plan), compiled.steps.clone())?;

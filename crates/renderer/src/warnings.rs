@@ -31,7 +31,7 @@ impl Compiled {
     /// Notes light of a scene with these traits that the pipeline does not model: that of surfaces that emit and of the
     /// environment, where no step reads them as sources; and what an input is for that has the name of a trait and is not linked.
     fn left_out(&self, catalog: &Catalog, traits: &Traits) -> Vec<Diagnostic> {
-        let has = |name: &str| traits.0.get(name) == Some(&Value::Bool(true));
+        let has = |name: &str| traits.values.get(name) == Some(&Value::Bool(true));
         let mut notes = Vec::new();
         let mut note = |message: String| {
             let note = Diagnostic::warning(&LEFT_OUT, Severity::Note, message);

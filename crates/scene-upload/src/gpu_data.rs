@@ -3,7 +3,7 @@
 
 use bytemuck::{Zeroable, bytes_of, cast_slice};
 use glam::{Mat4, Vec2, Vec3, Vec4};
-use scene::{Light, LightKind, Material, Scene};
+use scene::{Emitters, Light, LightKind, Material, Scene};
 use shader_library::StructLayout;
 use std::f32::consts::PI;
 
@@ -106,8 +106,7 @@ impl GpuMaterial {
 }
 
 /// Returns the emitters with their header: `SceneEmitters` of shaders/scene.wgsl.
-pub(crate) fn emitters(scene: &Scene) -> Vec<u8> {
-    let emitters = scene.emitters();
+pub(crate) fn emitters(emitters: &Emitters) -> Vec<u8> {
     let header = EmittersHeader { count: emitters.table.len() as u32 - 1, power: emitters.power };
     [bytes_of(&header), cast_slice(&emitters.table)].concat()
 }

@@ -19,7 +19,7 @@ use executor::wgpu::{self, BufferUsages};
 use executor::{Executor, ExecutorError, SceneBinding};
 use frame_graph::SceneBindings;
 use frame_graph::frame::Change;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use scene::{Pose, Scene};
 use shared::Wanted;
 use std::sync::Arc;
@@ -32,6 +32,7 @@ pub struct SceneView {
     frame: wgpu::Buffer,
     lights: wgpu::Buffer,
     layers: wgpu::Buffer,
+    chosen: Vec<ChosenLights>,
     /// The camera that was written last, without and with the displacement of the samples, so that an equal one counts as
     /// unchanged.
     written_camera: Option<(gpu_data::Camera, gpu_data::Camera)>,
@@ -48,6 +49,25 @@ pub struct SceneView {
     /// frame.
     bound: u64,
     seen: u64,
+}
+
+/// What steps read that take some sources of light alone.
+#[derive(Debug)]
+struct ChosenLights {
+    /// The names of the sources.
+    names: Arc<[String]>,
+    /// All lights, with the others dark.
+    lights: wgpu::Buffer,
+    /// The triangles that emit, without the others.
+    emitters: wgpu::Buffer,
+}
+
+impl ChosenLights {
+    fn bind(&self, executor: &mut Executor) {
+        for (global, buffer) in [("scene_lights", &self.lights), ("scene_emitters", &self.emitters)] {
+            executor.set_chosen_lights(global, Arc::clone(&self.names), buffer.clone());
+        }
+    }
 }
 
 fn buffer(device: &wgpu::Device, label: &str, bytes: &[u8], usage: BufferUsages) -> wgpu::Buffer {
@@ -85,6 +105,7 @@ impl SceneView {
             frame: buffer(&device, "frame", &[], BufferUsages::UNIFORM | BufferUsages::STORAGE),
             lights: buffer(&device, "scene lights", &light_bytes, storage),
             layers: buffer(&device, "scene light layers", &layer_bytes, storage),
+            chosen: Vec::new(),
             written_camera: None,
             lights_bytes: (light_bytes, layer_bytes),
             seen_lights: scene.lights.clone(),
@@ -112,6 +133,7 @@ impl SceneView {
         for (name, buffer) in own {
             executor.set_scene_binding(name, SceneBinding::Buffer(buffer.clone()));
         }
+        self.chosen.iter().for_each(|chosen| chosen.bind(executor));
     }
 
     /// Binds shared objects that were created since this view last did so.
@@ -135,6 +157,32 @@ impl SceneView {
         self.wanted = self.shared.provide(executor.gpu(), scene, &scene_bindings)?;
         self.bind(executor);
         Ok(())
+    }
+
+    /// Creates what steps read that take the sources of light of these names alone. What was created before stays, as the
+    /// plan before does if the next is refused.
+    pub fn choose_lights<'a>(
+        &mut self,
+        executor: &mut Executor,
+        scene: &Scene,
+        chosen: impl IntoIterator<Item = &'a Arc<[String]>>,
+    ) {
+        let device = executor.gpu().device.clone();
+        for names in chosen {
+            if self.chosen.iter().any(|known| known.names == *names) {
+                continue;
+            }
+            let (lights, _) = gpu_data::lights(&alone(&self.seen_lights, names), scene.bounds());
+            let emitters = scene.emitters_of(|name| names.iter().any(|known| known == name));
+            let stored = |label, bytes: &[u8]| buffer(&device, label, bytes, BufferUsages::STORAGE);
+            let made = ChosenLights {
+                names: Arc::clone(names),
+                lights: stored("scene lights, chosen", &lights),
+                emitters: stored("scene emitters, chosen", &gpu_data::emitters(&emitters)),
+            };
+            made.bind(executor);
+            self.chosen.push(made);
+        }
     }
 
     /// Sets where the samples of the next frames lie, from the centres of their pixels \[px, y down\].
@@ -179,8 +227,9 @@ impl SceneView {
             self.seen_lights.clone_from(&pose.lights);
             let (lights, layers) = gpu_data::lights(&pose.lights, scene.bounds());
             let written = (lights, cast_slice(&layers).to_vec());
-            if written != self.lights_bytes {
-                self.write_lights(executor, &written);
+            // A light that has another name alone is another light to those who choose it.
+            if written != self.lights_bytes || !self.chosen.is_empty() {
+                self.write_lights(executor, &written, scene);
                 self.lights_bytes = written;
                 changed = changed.and(SceneBindings::LIGHTS);
             }
@@ -196,8 +245,22 @@ impl SceneView {
     }
 
     /// Writes lights and their layers, into larger buffers if there are more of them than before.
-    fn write_lights(&mut self, executor: &mut Executor, (lights, layers): &(Vec<u8>, Vec<u8>)) {
+    fn write_lights(
+        &mut self,
+        executor: &mut Executor,
+        (lights, layers): &(Vec<u8>, Vec<u8>),
+        scene: &Scene,
+    ) {
         let gpu = executor.gpu().clone();
+        for chosen in &mut self.chosen {
+            let (bytes, _) = gpu_data::lights(&alone(&self.seen_lights, &chosen.names), scene.bounds());
+            if bytes.len() as u64 <= chosen.lights.size() {
+                gpu.queue.write_buffer(&chosen.lights, 0, &bytes);
+            } else {
+                chosen.lights = buffer(&gpu.device, "scene lights, chosen", &bytes, BufferUsages::STORAGE);
+                chosen.bind(executor);
+            }
+        }
         let mut write = |name: &'static str, label, held: &mut wgpu::Buffer, bytes: &[u8]| {
             if bytes.len() as u64 <= held.size() {
                 gpu.queue.write_buffer(held, 0, bytes);
@@ -209,4 +272,13 @@ impl SceneView {
         write("scene_lights", "scene lights", &mut self.lights, lights);
         write("scene_light_layers", "scene light layers", &mut self.layers, layers);
     }
+}
+
+/// Returns all lights, of which those without one of these names are dark: numbers of lights and layers stay.
+fn alone(lights: &[scene::Light], names: &[String]) -> Vec<scene::Light> {
+    let mut lights = lights.to_vec();
+    for light in lights.iter_mut().filter(|light| !names.contains(&light.name)) {
+        light.intensity = Vec3::ZERO;
+    }
+    lights
 }

@@ -77,7 +77,7 @@ impl SceneOnGpu {
         let table = scene.area_table();
         let guide = stored("scene area guide", cast_slice(&Scene::area_guide(&table)), storage);
         let areas = stored("scene area table", cast_slice(&table), storage);
-        let emitters = stored("scene emitters", &gpu_data::emitters(scene), storage);
+        let emitters = stored("scene emitters", &gpu_data::emitters(&scene.emitters()), storage);
         let black = Environment::uniform([0.0; 3]);
         let environment = scene.environment.as_ref().unwrap_or(&black);
         let environment_table = stored("scene environment table", cast_slice(&environment.table()), storage);

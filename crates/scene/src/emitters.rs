@@ -25,9 +25,20 @@ impl Scene {
     /// luminance of their emission, or of its mean over the texture. Paths sample them in the same proportion, but only
     /// those that are at least twice as bright as the mean of all surfaces.
     pub fn emitters(&self) -> Emitters {
+        self.emitters_of(|_| true)
+    }
+
+    /// Returns the same of the materials that are `chosen` by their names: the others are dark.
+    pub fn emitters_of(&self, chosen: impl Fn(&str) -> bool) -> Emitters {
         let mut means = BTreeMap::new();
-        let luminances: Vec<f64> =
-            self.materials.iter().map(|material| self.mean_luminance(material, &mut means)).collect();
+        let luminances: Vec<f64> = self
+            .materials
+            .iter()
+            .map(|material| match chosen(&material.name) {
+                true => self.mean_luminance(material, &mut means),
+                false => 0.0,
+            })
+            .collect();
         if luminances.iter().all(|luminance| *luminance == 0.0) {
             return Emitters {
                 power: 0.0,

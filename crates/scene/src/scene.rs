@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use data_file::{Traits, Value};
+use data_file::{LightSource, Traits, Value};
 use glam::{Affine3A, DVec3, Vec3};
 use serde::Serialize;
 
@@ -312,7 +312,7 @@ impl Scene {
         let count = |is: fn(&LightKind) -> bool| {
             Value::U32(lights.iter().filter(|light| is(&light.kind)).count() as u32)
         };
-        Traits(BTreeMap::from(
+        let values = BTreeMap::from(
             [
                 ("textured", any(Material::is_textured)),
                 ("glossy", any(Material::is_glossy)),
@@ -331,7 +331,13 @@ impl Scene {
                 ("triangles", Value::U32(self.triangles() as u32)),
             ]
             .map(|(name, value)| (name.to_string(), value)),
-        ))
+        );
+        let emitting = self.materials.iter().zip(&used);
+        let emitting = emitting.filter(|(material, used)| **used && material.is_emissive());
+        let emitting = emitting.map(|(material, _)| (&material.name, 0));
+        let sources = lights.iter().map(|light| (&light.name, light.layers())).chain(emitting);
+        let sources = sources.map(|(name, layers)| LightSource { name: name.clone(), layers }).collect();
+        Traits { values, sources }
     }
 
     fn camera_at(&self, time: f32, worlds: &[Affine3A]) -> Camera {

@@ -357,6 +357,10 @@ impl Composer<'_> {
                 self.option(name, default, one_of, (internal, doc), source, line)
             }
             Directive::Port { input, port, name } => self.port(input, port, name, line),
+            Directive::Lights => {
+                self.outline.lights = Some(span(source, line).to_string());
+                Ok(())
+            }
         }
     }
 

@@ -20,6 +20,8 @@ pub struct Outline {
     pub inputs: Vec<DeclaredPort>,
     /// The outputs that are declared, in order.
     pub outputs: Vec<DeclaredPort>,
+    /// Where `#lights` stands: that a use says which lights of the scene it takes.
+    pub lights: Option<String>,
     /// Paths of all files that take part.
     pub files: Vec<String>,
 }

@@ -138,6 +138,7 @@ pub(crate) enum Directive {
         /// Where its name stands.
         name: Range<usize>,
     },
+    Lights,
     If(Condition),
     Elif(Condition),
     Else,
@@ -220,19 +221,21 @@ pub(crate) fn parse(source: &Arc<Source>, line: &str, at: usize) -> Result<Direc
             let (port, name) = port::parse(source, line, (at, tokens.pos), input)?;
             return Ok(Directive::Port { input, port, name });
         }
+        Token::Word("lights") => Directive::Lights,
         Token::Word("if") => Directive::If(tokens.any()?),
         Token::Word("elif") => Directive::Elif(tokens.any()?),
         Token::Word("else") => Directive::Else,
         Token::Word("endif") => Directive::Endif,
         Token::Word(other) => {
-            let known = ["import", "input", "output", "option", "if", "elif", "else", "endif"];
+            let known = ["import", "input", "output", "option", "lights", "if", "elif", "else", "endif"];
             let fault = Fault::new(&codes::DIRECTIVE, name.range, format!("there is no `#{other}`"));
             return Err(match data_file::nearest(other, known) {
                 Some(near) => fault.note(format!("did you mean `#{near}`?")),
-                None => fault.note("there are #import, #input, #output, #option, #if, #elif, #else, #endif"),
+                None => fault
+                    .note("there are #import, #input, #output, #option, #lights, #if, #elif, #else, #endif"),
             });
         }
-        _ => return Err(name.expected("one of import, input, output, option, if, elif, else, endif")),
+        _ => return Err(name.expected("one of import, input, output, option, lights, if, elif, else, endif")),
     };
     match tokens.next()? {
         Placed { value: Token::End, .. } => Ok(directive),

@@ -123,7 +123,7 @@ fn it_records_one_draw_of_the_scenes_variant() {
     let wgsl = "#option TEXTURED false
         @fragment fn effect() -> @location(0) vec4<f32> { return vec4(1.0); }";
     let case = shader_use(wgsl, &[]);
-    let traits = Traits(BTreeMap::from([("textured".into(), Value::Bool(true))]));
+    let traits = Traits::new(BTreeMap::from([("textured".into(), Value::Bool(true))]));
     let recording = case.record(&[], &[], &traits).unwrap();
     let [Step::Raster(draw)] = recording.steps.as_slice() else { panic!("one draw: {recording:?}") };
     assert_eq!(draw.fragment.as_deref(), Some("effect"));

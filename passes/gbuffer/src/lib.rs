@@ -20,7 +20,7 @@ fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
             *normal = texture(Format::Rgba32Float);
         }
     }
-    let is_sky_seen = cx.traits.0.get("environment") == Some(&Value::Bool(true));
+    let is_sky_seen = cx.traits.values.get("environment") == Some(&Value::Bool(true));
     let view = &mut outputs[0].members;
     if is_sky_seen && !view.iter().any(|(member, ..)| member == "emission") {
         view.push(("emission".into(), texture(Format::Rgba32Float), Usage::Overwrites));

@@ -28,7 +28,7 @@ fn guide_entries(triangles: u32) -> u32 {
 }
 
 fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
-    let triangles = cx.traits.0.get("triangles").and_then(Value::as_u32).unwrap_or(0);
+    let triangles = cx.traits.values.get("triangles").and_then(Value::as_u32).unwrap_or(0);
     let starts = triangles.saturating_add(1).into();
     let values = [("interval_starts", starts), ("guide_entries", guide_entries(triangles).into())];
     let mut outputs = cx.declared_with(&values)?;

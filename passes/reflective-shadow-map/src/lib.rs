@@ -1,9 +1,11 @@
 #![doc = include_str!("../README.md")]
 
 use pass::{
-    Clear, Compute, Draw, Extent, Format, OutputDesc, Outputs, PassTypeError, Raster, ReadSettings,
-    RecordContext, Recording, ResourceDesc, Step, Target, Threads, Traits, Usage, Value,
+    Clear, Compute, Draw, Extent, Format, LightSource, OutputDesc, Outputs, PassTypeError, Raster,
+    ReadSettings, RecordContext, Recording, ResourceDesc, Settings, Step, Target, Threads, Traits, Usage,
+    Value, lights,
 };
+use std::iter::repeat_n;
 
 pass::from_wgsl!(outputs, record);
 
@@ -12,7 +14,19 @@ const MOST_LAYERS: u32 = 4096;
 
 /// Returns the number of layers of the scene's lights: one for a spot or directional light, six for a point light.
 fn light_layers(traits: &Traits) -> u32 {
-    traits.0.get("light_layers").and_then(Value::as_u32).unwrap_or(0)
+    traits.values.get("light_layers").and_then(Value::as_u32).unwrap_or(0)
+}
+
+/// Returns for each layer whether the pass takes its light.
+fn taken(settings: &Settings, traits: &Traits) -> Vec<bool> {
+    let chosen = lights::chosen(settings);
+    let takes = |source: &LightSource| chosen.as_ref().is_none_or(|names| names.contains(&source.name));
+    let layers = light_layers(traits);
+    let of_light = |source: &LightSource| repeat_n(takes(source), source.layers as usize);
+    let mut taken: Vec<bool> = traits.sources.iter().flat_map(of_light).collect();
+    // Scenes whose lights have no names.
+    taken.resize(layers as usize, chosen.is_none());
+    taken
 }
 
 fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
@@ -24,11 +38,14 @@ fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         return Err(PassTypeError::new(message).help("render the scene with fewer lights"));
     }
     let mut outputs = cx.declared()?;
-    if layers == 0 {
-        // Nothing is rendered: there is one layer, which sees nothing.
+    let taken = taken(cx.settings, cx.traits);
+    if !taken.iter().all(|taken| *taken) || layers == 0 {
+        // Layers that are not rendered see nothing; where there is no light, there is one of these.
         for (_, _, usage) in &mut outputs[0].members {
             *usage = Usage::ClearFirst(Clear::Zero);
         }
+    }
+    if layers == 0 {
         return Ok(outputs);
     }
     let side = cx.settings.u32("size")?;
@@ -47,7 +64,8 @@ fn record(cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         Step::Raster(draw.depth("nearest").value("layer", layer))
     };
     let mut recording = Recording::default();
-    for layer in 0..layers {
+    let taken = taken(cx.settings, cx.traits);
+    for layer in (0..layers).filter(|layer| taken[*layer as usize]) {
         recording.steps.push(draw(layer, "surfaces", &["position", "normal", "albedo"]));
         if cx.has_member("rsm", "specular") {
             recording.steps.push(draw(layer, "rsm_specular", &["specular"]));

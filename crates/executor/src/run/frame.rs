@@ -21,7 +21,18 @@ impl Executor {
     /// # Panics
     /// Panics if a scene binding that a shader reads is not set, which is a defect of the application.
     pub fn frame(&mut self, change: &Change, options: FrameOptions) -> Result<&FrameReport, ExecutorError> {
-        let Executor { gpu, scene_bindings, scene_indices, seed, loaded, pending, report, frames, .. } = self;
+        let Executor {
+            gpu,
+            scene_bindings,
+            chosen_lights,
+            scene_indices,
+            seed,
+            loaded,
+            pending,
+            report,
+            frames,
+            ..
+        } = self;
         let Some(loaded) = loaded else { return Err(ExecutorError::NotLoaded) };
         let Loaded { plan, objects, steps, prepares, uniforms, state, timers, poison, views } = loaded;
         let (gpu, plan): (&Gpu, &Plan) = (gpu, plan);
@@ -59,6 +70,7 @@ impl Executor {
         let context = StepContext {
             gpu,
             scene_bindings,
+            chosen_lights,
             scene_indices: *scene_indices,
             uniforms: uniforms.as_ref().map(|uniforms| &uniforms.buffer),
             objects: FrameObjects { plan, schedule, objects },

@@ -9,11 +9,11 @@ use std::rc::Rc;
 
 impl Env for Traits {
     fn scene(&self, name: &str) -> Option<&Value> {
-        self.0.get(name)
+        self.values.get(name)
     }
 
     fn scene_names(&self) -> Vec<String> {
-        self.0.keys().cloned().collect()
+        self.values.keys().cloned().collect()
     }
 }
 

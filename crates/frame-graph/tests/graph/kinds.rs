@@ -389,7 +389,7 @@ pub(super) fn traits() -> Traits {
         ("point_lights", Value::U32(2)),
         ("name", Value::Text("cornell".into())),
     ];
-    Traits(traits.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
+    Traits::new(traits.into_iter().map(|(name, value)| (name.to_owned(), value)).collect())
 }
 
 /// The type of a value written as text, for settings given from outside.

@@ -38,7 +38,7 @@ fn resolved(text: &str, overrides: &[(&str, Value)]) -> Resolved {
 
 fn try_plan(resolved: &Resolved, glossy: bool) -> Result<Plan, Diagnostics> {
     let mut traits: Traits = traits();
-    traits.0.insert("glossy".into(), Value::Bool(glossy));
+    traits.values.insert("glossy".into(), Value::Bool(glossy));
     let graph = link(resolved, &TestPassTypes::new(), &LinkContext { frame: (64, 64), traits })?;
     compile(&graph, &CompileOptions::default())
 }

@@ -171,7 +171,7 @@ fn remove_leaves_optional_inputs_unlinked_or_what_off_says() {
     // `glossy` has `off: "filter"`.
     let resolved = resolved(r#"patch: [ Remove("glossy") ]"#, &[]);
     let mut glossy = traits();
-    glossy.0.insert("glossy".into(), Value::Bool(true));
+    glossy.values.insert("glossy".into(), Value::Bool(true));
     let plan = planned(&resolved, glossy, &CompileOptions::default());
     assert!(
         matches!(&plan.fates.iter().find(|(n, _)| n == "glossy").unwrap().1, Fate::Off { why, .. } if why == "removed by a patch")
@@ -229,7 +229,7 @@ fn off_hands_on_an_input_through_borders_of_parts() {
     assert!(off.pass("part/blur").is_none());
     assert_eq!(off.output("soft").unwrap().from, "part/mix.irradiance");
     let mut glossy = traits();
-    glossy.0.insert("glossy".into(), Value::Bool(true));
+    glossy.values.insert("glossy".into(), Value::Bool(true));
     let on = planned(&resolved(part, &[]), glossy, &CompileOptions::default());
     assert_eq!(on.output("soft").unwrap().from, "part/blur.irradiance");
     // The whole part off: what goes in comes out.

@@ -4,7 +4,7 @@
 use super::{MainShader, begins, list};
 use crate::{
     Define, InputPort, Interface, Library, PassTypeError, Request, Setting, Settings, Traits, UseContext,
-    request, scene_bindings,
+    lights, request, scene_bindings,
 };
 use shader_library::codes::MISSING_FILE;
 use shader_library::{DeclaredPort, Outline, ShaderOption};
@@ -98,7 +98,7 @@ impl<'a> Known<'a> {
             Meaning::Linked(port) => Some(Define::Bool((self.linked)(port))),
             Meaning::Read(port) => Some(Define::Bool((self.read)(port))),
             Meaning::Member(port, member) => (self.member)(port, member).map(Define::Bool),
-            Meaning::Trait => self.traits?.0.get(&name).and_then(of),
+            Meaning::Trait => self.traits?.values.get(&name).and_then(of),
             Meaning::Setting => self.settings.0.get(&name).and_then(of),
         };
         value.filter(|value| std::mem::discriminant(value) == std::mem::discriminant(&option.default))
@@ -251,6 +251,7 @@ pub(super) fn settings_of_file(
     let (request, _) = stand_in(cx, main, &main.request, &declared)?;
     let shader = library.load(&request).map_err(|errors| main.refused(errors))?;
     let mut options = settings_of_options(&shader.outline().options, &declared);
+    options.extend(declared.lights.as_deref().map(lights::setting));
     let mut members = shader.settings().map_err(|errors| PassTypeError::new(errors.to_string()))?;
     // Settings that only other variants declare. Other errors in these are reported where they are used.
     let variants = if shader.outline().options.is_empty() {
@@ -306,6 +307,7 @@ pub(super) fn settings_of_folder(
             }
         }
     }
+    options.extend(declared.lights.as_deref().map(lights::setting));
     check_apart(&members, &options)?;
     members.append(&mut options);
     Ok(members)

@@ -151,7 +151,7 @@ impl<'a> Scope<'a> {
                 Ok(Value::U32(if member == "width" { width } else { height }))
             }
             ("scene", _) => {
-                let traits = self.traits.map(|traits| &traits.0);
+                let traits = self.traits.map(|traits| &traits.values);
                 traits.and_then(|traits| traits.get(member)).cloned().ok_or_else(|| {
                     let names = traits.into_iter().flat_map(|all| all.keys().map(String::as_str)).collect();
                     among(format!("scenes have no trait `{member}`"), member, names)

@@ -90,7 +90,7 @@ fn an_entry_point_that_the_scene_takes_away_names_the_users_file() {
 @fragment fn darken() -> @location(0) vec4<f32> { return vec4(0.5); }
 #endif";
     let types = types(effect);
-    let glossy = Traits([("glossy".to_owned(), Value::Bool(true))].into());
+    let glossy = Traits::new([("glossy".to_owned(), Value::Bool(true))].into());
     let (_, steps) = types.linked_for(DARKER, "fragments", &glossy);
     let error = steps.expect_err("a glossy scene has another entry point");
     for part in [

@@ -95,7 +95,7 @@ pub(crate) fn assert_sound(result: Result<Scene, SceneError>) -> Result<(), Test
     }
     prop_assert_eq!(scene.area_table().len(), scene.triangles() + 1);
     prop_assert!(scene.area().is_finite() && scene.extent().is_finite());
-    prop_assert!(!scene.traits().0.is_empty());
+    prop_assert!(!scene.traits().values.is_empty());
     Ok(())
 }
 

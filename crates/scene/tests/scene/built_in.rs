@@ -170,7 +170,7 @@ fn traits_state_what_is_there() {
     let expect = |name: &str, expected: &[(&str, u32)]| {
         let scene = shipped(name);
         for (key, value) in expected {
-            assert_eq!(scene.traits().0[*key].as_u32(), Some(*value), "{name}: {key}");
+            assert_eq!(scene.traits().values[*key].as_u32(), Some(*value), "{name}: {key}");
         }
         scene
     };

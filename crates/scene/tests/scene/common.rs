@@ -336,5 +336,5 @@ pub(crate) fn assert_states(scene: &Scene, words: &str) {
 /// Checks a trait of the scene.
 #[track_caller]
 pub(crate) fn assert_trait(scene: &Scene, name: &str, expected: bool) {
-    assert_eq!(scene.traits().0[name].as_bool(), Some(expected), "{name}");
+    assert_eq!(scene.traits().values[name].as_bool(), Some(expected), "{name}");
 }

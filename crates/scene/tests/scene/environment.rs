@@ -44,7 +44,7 @@ fn a_description_sets_the_environment() {
     assert_ne!(sky.hash, scene("map: BuiltIn(\"sky\"), rotation_deg: 91, radiance: (2, 2, 2)").hash);
     let black = scene("radiance: (0, 0, 0)");
     assert!(states(&black, "no lights, and nothing emits"), "{:?}", black.repairs);
-    assert_eq!(black.traits().0["environment"], data_file::Value::Bool(false));
+    assert_eq!(black.traits().values["environment"], data_file::Value::Bool(false));
 }
 
 /// A portable float map of 2 × 1 pixels, whose second has these values.

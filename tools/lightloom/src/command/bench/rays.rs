@@ -43,7 +43,7 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
         for (way, said) in &ways {
             let mut traits = scene.traits();
             // The pass type `compute` gives options the values of traits of their names.
-            traits.0.insert("rays".to_owned(), Value::Text((*way).into()));
+            traits.values.insert("rays".to_owned(), Value::Text((*way).into()));
             let device = (gpu.clone(), &**bench.catalog);
             let running = Running::new(device, (PIPELINE, &values), (&scene, traits), (side, side))?;
             rows.extend(RayBench(running).rows(bench.args.runs, said, name)?);

@@ -42,7 +42,7 @@ impl Registry for CatalogRegistry {
 
     fn scene(&self, name: &str) -> Result<SceneFacts, Failure> {
         let scene = load_scene(&self.catalog, name).map_err(Failure::render)?;
-        let traits: BTreeMap<String, Value> = scene.traits().0;
+        let traits: BTreeMap<String, Value> = scene.traits().values;
         let moves = ["moving_camera", "moving_lights", "moving_geometry"];
         Ok(SceneFacts {
             moves: moves.iter().any(|name| traits.get(*name) == Some(&Value::Bool(true))),

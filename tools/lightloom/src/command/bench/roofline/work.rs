@@ -201,7 +201,7 @@ fn moves(plan: &Plan, step: &LinkedStep) -> impl Iterator<Item = (ResourceId, Mo
         let id = match &bound.source {
             Source::Resource(id) => *id,
             Source::Past(history) => plan.histories[history.0 as usize].resource,
-            Source::SceneBinding(_) | Source::Uniform(_) => return None,
+            Source::SceneBinding(_) | Source::ChosenLights { .. } | Source::Uniform(_) => return None,
         };
         let how = match &globals[bound.global].kind {
             GlobalKind::Storage { writable: true, .. } => Move::Written,
