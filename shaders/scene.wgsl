@@ -83,6 +83,8 @@ var<uniform> scene_info: SceneInfo;
 var<storage, read> scene_vertices: array<Vertex>;
 /// Three per triangle.
 var<storage, read> scene_indices: array<u32>;
+/// x, y and z of each vertex in the frame before [m]; in scenes of moving geometry alone.
+var<storage, read> scene_previous_positions: array<f32>;
 var<storage, read> scene_materials: array<Material>;
 /// Cumulative triangle areas: triangle i is sampled by the 32-bit numbers in [table[i], table[i + 1]).
 var<storage, read> scene_area_table: array<u32>;

@@ -1,6 +1,7 @@
 //! The passes that frames run; pictures do not depend on how memory is used.
 
 use crate::adapter::{SMALL, bits, gpu, renderer, root, set, shown};
+use crate::program::Folder;
 use frame_graph::CompileOptions;
 use glam::Vec3;
 use renderer::{Assets, Catalog, FrameOptions, Renderer};
@@ -156,4 +157,32 @@ fn what_is_culled_can_be_asked_for() {
     renderer.frame().unwrap();
     let map = bits(&renderer.picture("importance", 0).unwrap());
     assert!(map.iter().any(|pixel| pixel[0] != 0), "the map is made");
+}
+
+/// What moves has motion, and none from the frame on after which it rests; without a new frame nothing changes.
+#[test]
+fn motion_ends_with_what_moves() {
+    let text = r#"Pipeline(
+        passes: { "view": Pass(kind: "gbuffer", set: { "motion": true }) },
+        outputs: { "motion": "view.motion", "depth": "view.depth" },
+    )"#;
+    let Some(folder) = Folder::with_gpu(&[("motion.ron", text)]) else { return };
+    let mut renderer = renderer(&folder.name("motion.ron"), "cornell-box-cloth", (45, 30), &[])
+        .expect("the adapter is still there");
+    let mut motion = |time: f32| {
+        renderer.set_time(Some(time));
+        let ran = renderer.frame().unwrap().ran.contains(&true);
+        let image = renderer.output("motion").unwrap();
+        let most =
+            image.pixels().iter().flat_map(|pixel| &pixel[..2]).fold(0.0f32, |most, x| most.max(x.abs()));
+        (ran, most)
+    };
+    // Projecting back rounds.
+    let rests = |(ran, most): (bool, f32)| (ran, most < 1e-4);
+    assert_eq!(rests(motion(1.0)), (true, true), "all was where it is before the first frame");
+    let (ran, first) = motion(1.25);
+    assert!(ran && first > 0.2, "{first} px");
+    assert!(motion(1.5).1 > 0.05);
+    assert_eq!(rests(motion(1.5)), (true, true), "the frame after the last movement");
+    assert_eq!(rests(motion(1.5)), (false, true), "at rest nothing runs");
 }

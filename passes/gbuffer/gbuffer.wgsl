@@ -2,8 +2,6 @@
 
 #output view: GBuffer // What the camera sees.
 
-#option MOTION false // Whether the G-buffer has the member `motion`, which takes one more draw over the frame. The scene is
-    // assumed to stand still: only the camera moves.
 #option NORMALS half one_of [half, full] // The format of normals. half: 8 bytes, to a thousandth. full: 16 bytes, to ten
     // millionths; a glossy scene is drawn once more.
 #option GLOSSY false // whether the G-buffer has the member `specular`
@@ -13,11 +11,6 @@
 #import "camera.wgsl"
 #import "octahedron.wgsl"
 #import "surface-fragment.wgsl"
-#if MOTION
-#import "fullscreen.wgsl"
-
-var view_depth: texture_2d<f32>;
-#endif
 
 struct Seen {
     @builtin(position) @invariant clip: vec4<f32>,
@@ -84,25 +77,6 @@ fn view_emission(seen: Seen) -> @location(0) vec4<f32> {
     let change = change_of(seen);
     let at = fragment_surface(seen.material, seen.uv, change);
     return vec4(at.emission, 1.0);
-}
-#endif
-
-#if MOTION
-/// The position of each pixel's surface in the frame before, minus its position now [px]. The scene is assumed to stand still.
-@fragment
-fn view_motion(@builtin(position) at: vec4<f32>) -> @location(0) vec2<f32> {
-    let pixel = vec2<u32>(at.xy);
-    let depth = textureLoad(view_depth, pixel, 0).x;
-    if depth == 0.0 {
-        return vec2(0.0);
-    }
-    let clip = camera.previous_clip_from_world * vec4(position_from_depth(pixel, depth), 1.0);
-    // A point behind the previous camera was nowhere in its frame: the motion is larger than the frame.
-    if clip.w <= 0.0 {
-        return 2.0 * camera.size;
-    }
-    let before = (clip.xy / clip.w * vec2(0.5, -0.5) + 0.5) * camera.size;
-    return before - at.xy;
 }
 #endif
 

@@ -141,6 +141,9 @@ impl SceneBindings {
     /// reads it has another sample in every frame.
     pub const SAMPLE: SceneBindings = SceneBindings(16);
 
+    /// Where moving geometry was in the frame before.
+    pub const PREVIOUS: SceneBindings = SceneBindings(32);
+
     /// Returns the union of both.
     pub const fn and(self, other: SceneBindings) -> SceneBindings {
         SceneBindings(self.0 | other.0)

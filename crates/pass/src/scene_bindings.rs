@@ -11,6 +11,7 @@ pub static GLOBALS: &[(&str, SceneBindings)] = &[
     ("scene_info", SceneBindings::SCENE),
     ("scene_vertices", SceneBindings::SCENE),
     ("scene_indices", SceneBindings::SCENE),
+    ("scene_previous_positions", SceneBindings::PREVIOUS),
     ("scene_materials", SceneBindings::SCENE),
     ("scene_area_table", SceneBindings::SCENE),
     ("scene_area_guide", SceneBindings::SCENE),

@@ -8,6 +8,7 @@
 mod acceleration;
 mod gpu_data;
 mod hierarchy;
+mod previous;
 mod shared;
 mod textures;
 
@@ -20,6 +21,7 @@ use executor::{Executor, ExecutorError, SceneBinding};
 use frame_graph::SceneBindings;
 use frame_graph::frame::Change;
 use glam::{Vec2, Vec3};
+use previous::PreviousPositions;
 use scene::{Pose, Scene};
 use shared::Wanted;
 use std::sync::Arc;
@@ -41,6 +43,7 @@ pub struct SceneView {
     /// The lights of the last update: if they are unchanged, so are their bytes.
     seen_lights: Vec<scene::Light>,
     previous_camera: Option<scene::Camera>,
+    previous: PreviousPositions,
     /// The place of the samples, from the centres of their pixels \[px\].
     jitter: Vec2,
     /// The structures through which the steps of this view's pipeline trace rays.
@@ -110,6 +113,7 @@ impl SceneView {
             lights_bytes: (light_bytes, layer_bytes),
             seen_lights: scene.lights.clone(),
             previous_camera: None,
+            previous: PreviousPositions::new(&device, scene),
             jitter: Vec2::ZERO,
             wanted: Wanted::default(),
             bound: 0,
@@ -129,6 +133,7 @@ impl SceneView {
             ("frame", &self.frame),
             ("scene_lights", &self.lights),
             ("scene_light_layers", &self.layers),
+            ("scene_previous_positions", &self.previous.buffer),
         ];
         for (name, buffer) in own {
             executor.set_scene_binding(name, SceneBinding::Buffer(buffer.clone()));
@@ -154,6 +159,7 @@ impl SceneView {
         scene_bindings: impl IntoIterator<Item = &'static str>,
     ) -> Result<(), ExecutorError> {
         let scene_bindings: Vec<&str> = scene_bindings.into_iter().collect();
+        self.previous.wanted = scene_bindings.contains(&"scene_previous_positions");
         self.wanted = self.shared.provide(executor.gpu(), scene, &scene_bindings)?;
         self.bind(executor);
         Ok(())
@@ -233,6 +239,9 @@ impl SceneView {
                 self.lights_bytes = written;
                 changed = changed.and(SceneBindings::LIGHTS);
             }
+        }
+        if self.previous.follow(&executor.gpu().queue, &pose.moved) {
+            changed = changed.and(SceneBindings::PREVIOUS);
         }
         let moves = self.shared.follow(executor.gpu(), scene, &pose.moved, self.wanted)?;
         self.bind(executor);

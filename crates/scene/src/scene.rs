@@ -302,6 +302,11 @@ impl Scene {
         self.traits_with(&self.lights)
     }
 
+    /// Returns whether any triangle moves.
+    pub fn has_moving_geometry(&self) -> bool {
+        !self.motion.meshes.is_empty()
+    }
+
     /// Returns the traits of the scene with `lights` in place of its own.
     pub fn traits_with(&self, lights: &[Light]) -> Traits {
         let mut used = vec![false; self.materials.len()];
@@ -322,7 +327,7 @@ impl Scene {
                 ("environment", Value::Bool(self.environment.as_ref().is_some_and(|e| !e.is_black()))),
                 ("moving_camera", Value::Bool(self.motion.moves(&self.motion.camera))),
                 ("moving_lights", Value::Bool(self.motion.lights.iter().any(|l| self.motion.moves(l)))),
-                ("moving_geometry", Value::Bool(!self.motion.meshes.is_empty())),
+                ("moving_geometry", Value::Bool(self.has_moving_geometry())),
                 ("lights", count(|_| true)),
                 ("spot_lights", count(|kind| matches!(kind, LightKind::Spot { .. }))),
                 ("point_lights", count(|kind| matches!(kind, LightKind::Point))),

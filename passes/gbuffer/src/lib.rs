@@ -25,6 +25,9 @@ fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
     if is_sky_seen && !view.iter().any(|(member, ..)| member == "emission") {
         view.push(("emission".into(), texture(Format::Rgba32Float), Usage::Overwrites));
     }
+    if cx.settings.bool("motion")? {
+        view.push(("motion".into(), texture(Format::Rg32Float), Usage::Overwrites));
+    }
     outputs.push(OutputDesc::scratch("nearest", texture(Format::Depth32Float)));
     Ok(outputs)
 }
@@ -61,7 +64,12 @@ fn record(cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
     }
     if has("motion") {
         let targets = vec![Target::clear("view.motion")];
-        draws.push(Raster::new(shader.clone(), "fullscreen", "view_motion", targets, Draw::Fullscreen));
+        let shader = cx.file("motion.wgsl");
+        draws.push(if cx.trait_bool("moving_geometry") {
+            Raster::new(shader, "project_moved", "view_motion", targets, Draw::Scene).depth("nearest")
+        } else {
+            Raster::new(shader, "fullscreen", "view_motion", targets, Draw::Fullscreen)
+        });
     }
     Ok(Recording { steps: draws.into_iter().map(Step::Raster).collect() })
 }

@@ -29,6 +29,7 @@ impl SceneBindings {
             (SceneBindings::CAMERA, "camera"),
             (SceneBindings::LIGHTS, "lights"),
             (SceneBindings::FRAME, "frame"),
+            (SceneBindings::PREVIOUS, "previous positions"),
         ];
         all.into_iter().filter(|(bit, _)| self.contains(*bit)).map(|(_, name)| name).collect()
     }

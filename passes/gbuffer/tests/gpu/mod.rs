@@ -19,25 +19,41 @@ fn camera(scene: &Scene) -> Camera {
     }
 }
 
+/// What a ray meets.
+struct Hit {
+    /// Distance along the camera's axis \[m\].
+    depth: f64,
+    /// Geometric, on the camera's side.
+    normal: DVec3,
+    /// The vertices of the triangle.
+    corners: [usize; 3],
+    /// The weights of the second and third.
+    weights: [f64; 2],
+}
+
 /// The surface that a ray through a pixel's centre meets first: distance along the axis, geometric normal on the camera's side,
 /// and material.
 fn trace(scene: &Scene, camera: &Camera, pixel: UVec2) -> Option<(f64, DVec3, usize)> {
+    let hit = hit(scene, camera, pixel)?;
+    Some((hit.depth, hit.normal, scene.vertices[hit.corners[0]].material as usize))
+}
+
+fn hit(scene: &Scene, camera: &Camera, pixel: UVec2) -> Option<Hit> {
     let ray = camera.view_ray(pixel.as_dvec2() + 0.5);
     let triangles = scene.indices.chunks_exact(3);
-    let hits =
-        triangles.filter_map(|corners| {
-            let vertex = |i: usize| &scene.vertices[corners[i] as usize];
-            let [a, b, c] = [0, 1, 2].map(|i| DVec3::from(vertex(i).position.map(f64::from)));
-            let (u, v, from) = (b - a, c - a, camera.position - a);
-            let (p, q) = (ray.cross(v), from.cross(u));
-            let det = u.dot(p);
-            let (x, y, t) = (from.dot(p) / det, ray.dot(q) / det, v.dot(q) / det);
-            let normal = u.cross(v).normalize_or_zero();
-            let towards = if normal.dot(ray) < 0.0 { normal } else { -normal };
-            (det != 0.0 && x >= 0.0 && y >= 0.0 && x + y <= 1.0 && t > f64::from(scene.camera.near))
-                .then_some((t, towards, vertex(0).material as usize))
-        });
-    hits.min_by(|a, b| a.0.total_cmp(&b.0))
+    let hits = triangles.filter_map(|corners| {
+        let corners = [0, 1, 2].map(|i| corners[i] as usize);
+        let [a, b, c] = corners.map(|i| DVec3::from(scene.vertices[i].position.map(f64::from)));
+        let (u, v, from) = (b - a, c - a, camera.position - a);
+        let (p, q) = (ray.cross(v), from.cross(u));
+        let det = u.dot(p);
+        let (x, y, t) = (from.dot(p) / det, ray.dot(q) / det, v.dot(q) / det);
+        let normal = u.cross(v).normalize_or_zero();
+        let towards = if normal.dot(ray) < 0.0 { normal } else { -normal };
+        (det != 0.0 && x >= 0.0 && y >= 0.0 && x + y <= 1.0 && t > f64::from(scene.camera.near))
+            .then_some(Hit { depth: t, normal: towards, corners, weights: [x, y] })
+    });
+    hits.min_by(|a, b| a.depth.total_cmp(&b.depth))
 }
 
 struct Seen {
@@ -158,6 +174,48 @@ fn members_are_those_of_the_scene() {
     }
     assert!(lamp > 5, "the lamp is in the picture");
     assert!(wrong <= WIDTH * HEIGHT / 200, "{wrong} pixels differ");
+}
+
+/// The scene with its geometry and its camera of a time \[s\].
+fn at(scene: &Scene, time: f32) -> Scene {
+    let (mut posed, pose) = (scene.clone(), scene.at(time));
+    for moved in &pose.moved {
+        let first = moved.first_vertex as usize;
+        posed.vertices[first..first + moved.vertices.len()].copy_from_slice(&moved.vertices);
+    }
+    posed.camera = pose.camera;
+    posed
+}
+
+/// Against the places of the very points of the triangles in both frames.
+#[test]
+fn motion_is_that_of_the_surface_and_of_the_camera() {
+    for name in ["cornell-box-cloth", "cornell-box-moving"] {
+        let scene = pass_test::scene(name);
+        let (first, step) = (1.0, 0.125);
+        let harness = Harness::new(gbuffer::PASS).with_scene(scene.clone()).frame(WIDTH, HEIGHT);
+        let Some(outputs) = harness.set("motion", true).time(first).time_step(step).frames(2).run() else {
+            return;
+        };
+        let motion: Vec<[f32; 2]> = outputs.read("view.motion");
+        let (before, now) = (at(&scene, first), at(&scene, first + step));
+        let (camera_before, camera_now) = (camera(&before), camera(&now));
+        let (mut wrong, mut moves) = (0, 0);
+        for i in 0..WIDTH * HEIGHT {
+            let pixel = uvec2(i % WIDTH, i / WIDTH);
+            let expected = hit(&now, &camera_now, pixel).map_or(glam::DVec2::ZERO, |hit| {
+                let [a, b, c] = hit.corners.map(|i| DVec3::from(before.vertices[i].position.map(f64::from)));
+                let place = a + (b - a) * hit.weights[0] + (c - a) * hit.weights[1];
+                camera_before.project(place).0 - (pixel.as_dvec2() + 0.5)
+            });
+            let found = dvec2(motion[i as usize][0].into(), motion[i as usize][1].into());
+            moves += u32::from(expected.length() > 0.1);
+            wrong += u32::from(found.distance(expected) > 0.02 + 0.01 * expected.length());
+        }
+        assert!(moves > 10, "{name}: {moves} pixels move");
+        // An edge may fall to the other side of a pixel's centre.
+        assert!(wrong <= WIDTH * HEIGHT / 100, "{name}: {wrong} pixels differ, {moves} move");
+    }
 }
 
 #[test]
