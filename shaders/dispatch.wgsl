@@ -16,3 +16,12 @@ fn index_in(row: Row, group_size: u32) -> u32 {
 fn group_in(row: Row) -> u32 {
     return row.group.y * row.groups.x + row.group.x;
 }
+
+/// The most workgroups that WebGPU promises along one dimension.
+const WIDEST: u32 = 65535u;
+
+/// Returns this number of workgroups, folded into two dimensions: for a dispatch whose size a shader writes.
+fn folded(groups: u32) -> vec2<u32> {
+    let rows = (groups + WIDEST - 1u) / WIDEST;
+    return vec2((groups + max(rows, 1u) - 1u) / max(rows, 1u), rows);
+}

@@ -44,8 +44,6 @@ var<storage, read_write> dispatches: array<u32, 6>;
 
 /// Threads of a workgroup.
 const GROUP: u32 = 256u;
-/// Lights of which there are fewer workgroups than one dimension allows.
-const WIDEST: u32 = 65535u;
 /// The cluster of a light that has none yet.
 const NO_OWNER: u32 = 0xffffffffu;
 
@@ -60,12 +58,6 @@ fn cluster_count() -> u32 {
 /// Whether a light emits: one that does not has no meaningful position.
 fn is_lit(light: VirtualLight) -> bool {
     return any(light.flux > vec3(0.0));
-}
-
-/// Returns this number of workgroups, folded into two dimensions for `index_in`.
-fn fold(groups: u32) -> vec2<u32> {
-    let rows = (groups + WIDEST - 1u) / WIDEST;
-    return vec2((groups + max(rows, 1u) - 1u) / max(rows, 1u), rows);
 }
 
 /// One thread per light: it has no cluster yet. The first centres are lights at equal steps, the same in every frame.
@@ -91,8 +83,8 @@ fn seed(row: Row) {
         clusters.pad1 = 0u;
         clusters.pad2 = 0u;
         atomicStore(&changes, 0u);
-        let of_lights = fold((n + GROUP - 1u) / GROUP);
-        let of_clusters = fold(k);
+        let of_lights = folded((n + GROUP - 1u) / GROUP);
+        let of_clusters = folded(k);
         dispatches = array(of_lights.x, of_lights.y, 1u, of_clusters.x, of_clusters.y, 1u);
     }
 }

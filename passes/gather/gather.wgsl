@@ -24,6 +24,8 @@
 #import "color.wgsl"
 #if GEOMETRY == disc
 #import "disc-irradiance.wgsl"
+#else
+#import "bounded-geometry.wgsl"
 #endif
 #import "scene.wgsl"
 #import "view-geometric.wgsl"
@@ -103,20 +105,13 @@ fn geometry(light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> vec2<f32> 
     let radius = max(closest, rounding);
     return vec2(disc_irradiance(offset, light.normal, normal, max(light.area / PI, radius * radius)), 0.0);
 #else
-    let distance2 = max(dot(offset, offset), rounding * rounding);
-    let cosines = max(-dot(normal, offset), 0.0) * max(dot(light.normal, offset), 0.0) / distance2;
-    var whole = PI * distance2;
     var least = PI * closest * closest;
+    var disc = light.area;
 #if GEOMETRY == bounded
     least = max(least, settings.area_bound * settings.area_bound * light.area);
+    disc = 0.0;
 #endif
-    // Exactly zero where nothing is bounded, whatever a compiler fuses: a difference of two quotients is not.
-    let bounded = max(least - whole, 0.0);
-#if GEOMETRY == point-to-disc
-    whole += light.area;
-#endif
-    let kept = cosines / (whole + bounded);
-    return vec2(kept, kept * bounded / whole);
+    return bounded_geometry(offset, light.normal, normal, rounding, least, disc);
 #endif
 }
 
