@@ -28,6 +28,7 @@ mod points;
 mod precision;
 mod program;
 mod reference;
+mod reflective;
 mod reload;
 mod rendered;
 mod reports;
