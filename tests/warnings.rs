@@ -134,6 +134,53 @@ fn a_name_of_another_sort_is_said_to_be_one() {
 }
 
 #[test]
+fn a_file_that_does_not_say_what_it_is_is_read_as_what_is_expected() {
+    let mine = Folder::new(&[("empty.ron", "// nothing\n"), ("word.ron", "Stdy(about: \"x\")")]);
+    let cases: [(&[&str], &str); 4] = [
+        (&["study", "empty.ron", "-o", "x"], "expected `Study(…)`"),
+        (&["render", "ism", "empty.ron", "-o", "x.png"], "expected `Scene(…)`"),
+        (&["graph", "empty.ron"], "expected `Pipeline(…)`"),
+        (&["study", "word.ron", "-o", "x"], "expected `Study(…)`"),
+    ];
+    for (arguments, words) in cases {
+        let done = run_in(&mine, arguments).failure(1, &[words]);
+        assert!(!done.to_string().contains("is expected here"), "{done}");
+    }
+}
+
+#[test]
+fn a_format_that_is_not_that_of_the_interface_is_reported() {
+    let shader = "var irradiance: texture_2d<f32>;\n@fragment\nfn one(@builtin(position) at: vec4<f32>) -> \
+                  @location(0) vec4<f32> { return textureLoad(irradiance, vec2<u32>(at.xy), 0); }\n";
+    let variant = |format: &str| {
+        let pass = format!(
+            "Pass(kind: \"fullscreen\", shader: \"one.wgsl\", out: {{ \"result\": Out(interface: \"Irradiance\"{format}) }})"
+        );
+        let patch =
+            format!("Insert(name: \"mean\", pass: {pass}, between: (\"filter\", \"image.indirect\"))");
+        format!("Pipeline(extends: \"ism.ron\",\npatch: [{patch}])")
+    };
+    let study = "Study(about: \"x\", scenes: [\"cornell-box\"], pipelines: [\"bad.ron\"], output: \"image\", \
+                 size: (8, 8), budget: Frames(1), measures: [\"gpu-ms\"])";
+    let mine = Folder::new(&[
+        ("one.wgsl", shader),
+        ("bad.ron", &variant(", format: \"rgba8unorm\"")),
+        ("same.ron", &variant(", format: \"rgba32float\"")),
+        ("none.ron", &variant("")),
+        ("study.ron", study),
+    ]);
+    let words = ["warning[W005]: `mean.result` is `rgba8unorm`", "bad.ron:2:", "expected `rgba32float`"];
+    for arguments in [&["check", "bad.ron"][..], &["check", "study.ron"], &["graph", "bad.ron"]] {
+        let found = run_in(&mine, arguments).success().says(&words);
+        assert_eq!(found.to_string().matches("W005").count(), 1, "{found}");
+    }
+    for good in ["same.ron", "none.ron"] {
+        let done = run_in(&mine, &["check", good]).success();
+        assert!(!done.out.contains("W005"), "{done}");
+    }
+}
+
+#[test]
 fn a_file_that_is_there_and_cannot_be_read_is_not_said_to_be_missing() {
     let mine =
         Folder::new(&[("mesh.obj", "v 0 0 0"), ("base.ron", "Pipeline(extends: \"latin.ron\", patch: [])")]);

@@ -44,4 +44,5 @@ data_file::codes! {
     REMOVED = "W001": "A patch removed a pass without `off:`: links and outputs of the pipeline are lost with it.";
     NO_EFFECT = "W003": "A value has no effect: nothing uses the parameter, it is set or replaced again in the same file, or no pass that runs takes it.";
     LEFT_OUT = "W004": "The pipeline leaves out light that the scene has.";
+    OTHER_FORMAT = "W005": "A texture of an output is not of the format of its interface.";
 }

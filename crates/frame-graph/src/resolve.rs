@@ -4,6 +4,7 @@ mod diff;
 mod document;
 mod figures;
 mod flatten;
+mod formats;
 mod json;
 mod localise;
 mod locate;

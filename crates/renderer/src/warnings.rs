@@ -21,10 +21,17 @@ impl Compiled {
         context: &LinkContext,
         options: &CompileOptions,
     ) -> Diagnostics {
-        let Diagnostics(mut all) = self.resolved.warnings();
+        let Diagnostics(mut all) = self.of_files(catalog);
         let given = (pipeline, overrides);
         all.extend(without_effect(catalog, given, (&self.resolved, &self.plan), context, options));
         all.extend(self.left_out(catalog, &context.traits));
+        Diagnostics(all)
+    }
+
+    /// Returns the warnings of the files, and of the plan that they give.
+    pub fn of_files(&self, catalog: &Catalog) -> Diagnostics {
+        let Diagnostics(mut all) = self.resolved.warnings();
+        all.extend(self.resolved.other_formats(&self.plan, catalog.interfaces()));
         Diagnostics(all)
     }
 

@@ -29,10 +29,11 @@ impl Context {
     pub(crate) fn is(&self, sort: Sort, name: &str) -> bool {
         let assets = self.catalog.assets();
         let stem = name.strip_suffix(".ron").unwrap_or(name);
-        let of_file =
-            (stem != name).then(|| assets.text(name)).flatten().and_then(|text| Sort::of_text(&text));
-        match (sort, of_file) {
-            (_, Some(of_file)) => of_file == sort,
+        let text = (stem != name).then(|| assets.text(name)).flatten();
+        match (sort, text.map(|text| Sort::of_text(&text))) {
+            (_, Some(Some(of_file))) => of_file == sort,
+            // A file that does not say what it is, such as an empty one, is what it is taken for.
+            (_, Some(None)) => true,
             (Sort::Pipeline, None) => self.catalog.pipelines().read(name).is_some(),
             (Sort::Study, None) => assets.has(&format!("studies/{stem}.ron")),
             (Sort::Scene, None) => {

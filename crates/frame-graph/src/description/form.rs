@@ -150,7 +150,7 @@ pub(crate) enum SetValue {
 pub(crate) struct OutDecl {
     pub(crate) port: At<Name>,
     pub(crate) interface: Option<At<Name>>,
-    pub(crate) format: Option<Format>,
+    pub(crate) format: Option<At<Format>>,
     pub(crate) size: Option<At<Size>>,
     pub(crate) count: Option<At<Dim>>,
     pub(crate) facts: Vec<SaidFact>,

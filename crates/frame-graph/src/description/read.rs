@@ -294,7 +294,7 @@ impl Checks<'_, '_> {
                 let error = self.reader.at(&codes::WRONG_TYPE, name.place, message);
                 self.reader.report(error.suggest("formats", &name, Format::ALL.iter().map(|f| f.name())));
             }
-            format
+            Some(At { value: format?, place: name.place })
         });
         let fact = |(name, fact): (Text, Spanned<Option<ValueFile>>)| {
             let place = fact.place;
@@ -493,7 +493,7 @@ pub(crate) fn out_overrides(outs: &[OutDecl]) -> Arc<BTreeMap<String, OutputOver
     };
     let entry = |out: &OutDecl| OutputOverride {
         interface: out.interface.as_ref().map(|at| at.value.to_string()),
-        format: out.format,
+        format: out.format.map(|at| at.value),
         size: out.size.as_ref().and_then(|at| at.value.extent()),
         count: out.count.as_ref().and_then(|at| at.value.number()),
         facts: out.facts.iter().filter_map(fact).collect(),

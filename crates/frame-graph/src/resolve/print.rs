@@ -91,7 +91,7 @@ pub(super) fn out(out: &OutDecl) -> String {
     if let Some(interface) = &out.interface {
         fields.push(format!("interface: {}", quoted(&interface.value)));
     }
-    if let Some(format) = out.format {
+    if let Some(At { value: format, .. }) = &out.format {
         fields.push(format!("format: {}", quoted(format.name())));
     }
     if let Some(At { value: size, .. }) = &out.size {

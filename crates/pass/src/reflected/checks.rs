@@ -69,10 +69,13 @@ pub(super) fn check_like(declared: &DeclaredPort, outputs: &OutputContext<'_>) -
     match (shape(input), shape(like)) {
         (Some(found), Some(expected)) if found != expected => {
             let (name, verb) = (&declared.name, if found.ends_with("elements") { "has" } else { "is" });
-            Err(PassTypeError::input(
+            let error = PassTypeError::input(
                 name,
                 format!("`{name}` {verb} {found}, but `{other}` {verb} {expected}"),
-            ))
+            );
+            // The user may have given no size: `check` takes one of its own.
+            let (width, height) = outputs.frame;
+            Err(error.help(format!("the sizes are those of a frame of {width}×{height} px")))
         }
         _ => Ok(()),
     }

@@ -105,4 +105,6 @@ fn an_input_of_another_size_is_refused() {
         harness.input("view", "GBuffer", &[], view(&black, &black)).input("direct", "Radiance", &[], small);
     let Some(refusal) = harness.refusal() else { return };
     assert!(refusal.contains("`direct` is 4×4, but `view` is 13×9"), "{refusal}");
+    // Who gave no size, as in `check`, is told which one these follow from.
+    assert!(refusal.contains("of a frame of 13×9 px"), "{refusal}");
 }

@@ -200,7 +200,7 @@ fn check_study(
         let (found, list) = match compiled {
             Ok(compiled) => {
                 plans.push((*run, compiled.plan.id));
-                (compiled.resolved.warnings(), &mut warnings.0)
+                (compiled.of_files(catalog), &mut warnings.0)
             }
             Err(found) => (found, &mut errors),
         };
@@ -261,6 +261,11 @@ fn check_pipeline(
     for scene in scenes {
         let context = LinkContext { frame: (512, 512), traits: traits[*scene].clone() };
         let compiled = Compiled::new(catalog, name, &Overrides::default(), &context, &options)?;
+        for warning in compiled.of_files(catalog).0 {
+            if !warnings.0.contains(&warning) {
+                warnings.0.push(warning);
+            }
+        }
         if scenes.len() == 1 {
             *warnings = compiled.warnings(catalog, name, &Overrides::default(), &context, &options);
         }

@@ -28,12 +28,17 @@ pub(super) fn warnings(context: &Context, plan: &Plan) -> Diagnostics {
             }
         }
     }
-    warnings.0.extend(without_effect(plan, plan_ids(context, plan)));
+    let ids = plan_ids(context, plan, &mut warnings.0);
+    warnings.0.extend(without_effect(plan, ids));
     warnings
 }
 
-/// Returns the plan of each run of a study that has one.
-fn plan_ids<'p>(context: &Context, plan: &'p Plan) -> Vec<(&'p RunRequest, PlanId)> {
+/// Returns the plan of each run of a study that has one, and adds the warnings about its textures.
+fn plan_ids<'p>(
+    context: &Context,
+    plan: &'p Plan,
+    warnings: &mut Vec<Diagnostic>,
+) -> Vec<(&'p RunRequest, PlanId)> {
     let catalog = &context.catalog;
     let mut traits: BTreeMap<&str, Option<Traits>> = BTreeMap::new();
     let mut id_of = |run: &'p RunRequest| {
@@ -42,7 +47,13 @@ fn plan_ids<'p>(context: &Context, plan: &'p Plan) -> Vec<(&'p RunRequest, PlanI
         let link_context = LinkContext { frame: run.size, traits };
         let resolved = resolve(&run.pipeline, catalog.pipelines(), &overrides(&run.set)).ok()?;
         let graph = link(&resolved, &**catalog, &link_context).ok()?;
-        Some((run, compile(&graph, &renderer::compile_options()).ok()?.id))
+        let compiled = compile(&graph, &renderer::compile_options()).ok()?;
+        for warning in resolved.other_formats(&compiled, catalog.interfaces()) {
+            if !warnings.contains(&warning) {
+                warnings.push(warning);
+            }
+        }
+        Some((run, compiled.id))
     };
     plan.distinct_runs().into_iter().take(MOST_RUNS).filter_map(&mut id_of).collect()
 }
