@@ -154,6 +154,12 @@ fn check(plan: &Plan) -> Result<(), TestCaseError> {
         }
         most = most.max(used.len());
     }
+    // What is shown of a lifetime is from the producer to the last reader, also of what outlives the frame.
+    for (index, resource) in plan.resources.iter().enumerate() {
+        let at = alive(plan, ResourceId(index as u32));
+        let shown = resource.lifetime.0 as usize..=resource.lifetime.1 as usize;
+        prop_assert_eq!(at, shown.collect::<Vec<_>>(), "{}", resource.name);
+    }
     // The bound is what is alive at once, and sharing lies between it and no sharing.
     let transient: Vec<ResourceId> = (0..plan.resources.len() as u32)
         .map(ResourceId)

@@ -3,7 +3,9 @@
 mod setup;
 
 use std::fmt::Write;
+use std::path::{Path, PathBuf};
 
+use super::FIGURES;
 use super::digest::{Digest, distinct};
 use super::figures::{Figure, Figures, Kind};
 use super::pictures::Pictures;
@@ -287,7 +289,25 @@ fn viewer(pictures: &Pictures) -> String {
     if pictures.count() == 0 {
         return "<p class=note>There are no pictures in this study’s results.</p>\n".to_owned();
     }
-    VIEWER.to_owned()
+    VIEWER.to_owned() + &composed(pictures)
+}
+
+/// Returns links to the figures that are composed of the crops, as PDF and for LaTeX; empty where there are none.
+fn composed(pictures: &Pictures) -> String {
+    let is_pdf = |path: &&PathBuf| path.extension().is_some_and(|extension| extension == "pdf");
+    let files = pictures.insets.iter().map(|(path, _)| path).filter(is_pdf);
+    let link = |path: &Path| {
+        let name = html(&path.to_string_lossy());
+        format!("<a href=\"{FIGURES}/{name}\">{name}</a>")
+    };
+    let items: String =
+        files.map(|pdf| format!("<li>{}, {}</li>\n", link(pdf), link(&pdf.with_extension("tex")))).collect();
+    match items.is_empty() {
+        true => items,
+        false => format!(
+            "<p>Figures for papers, the crops with the error under each, in the study’s folder:</p>\n<ul id=composed>\n{items}</ul>\n"
+        ),
+    }
 }
 
 fn duration(seconds: f64) -> String {

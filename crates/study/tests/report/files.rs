@@ -89,8 +89,13 @@ fn crops_are_composed_to_figures_with_the_error_under_each() {
     let figures: Vec<&String> = files.keys().filter(|name| name.ends_with(".pdf")).collect();
     // Six of 18 combinations in each.
     assert_eq!(figures.len(), 2 * 3, "{figures:?}");
+    let page = std::str::from_utf8(&files["report.html"]).expect("text");
     for pdf in figures {
         assert!(files[pdf].starts_with(b"%PDF-"), "{pdf}");
+        // The page leads to both.
+        for name in [pdf, &pdf.replace(".pdf", ".tex")] {
+            assert!(page.contains(&format!("<a href=\"{name}\">")), "{name}");
+        }
         let tex = std::str::from_utf8(&files[&pdf.replace(".pdf", ".tex")]).expect("text");
         assert_eq!(tex.matches("\\includegraphics").count(), 1 + 2 * 7, "{tex}");
         let named = tex.split("\\unitlength]{").skip(1).filter_map(|rest| rest.split_once('}'));
