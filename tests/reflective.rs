@@ -70,7 +70,7 @@ fn received(texel: &Texel, (at, normal): (DVec3, DVec3)) -> f64 {
 
 /// The gather at every pixel, with what it read.
 fn gathered(scene: &str, radius: &str) -> Option<Renderer> {
-    let values = ["samples=8192", "divisor=1", "rsm.size=48", "gather.area_bound=0", radius];
+    let values = ["lights=8192", "divisor=1", "rsm.size=48", "gather.area_bound=0", radius];
     let mut renderer = renderer("reflective-shadow-maps", scene, (24, 18), &values)?;
     for resource in ["rsm", "view"] {
         renderer.keep(resource).unwrap();
@@ -135,7 +135,7 @@ fn interpolation_is_near_to_a_gather_at_every_pixel() {
         let mut errors = Vec::new();
         for side in [48, 96] {
             let picture = |divisor: &str| {
-                let values = [divisor, "samples=2048", "rsm.size=256"];
+                let values = [divisor, "lights=2048", "rsm.size=256"];
                 Some(shown(
                     &mut renderer("reflective-shadow-maps", scene, (side, side), &values)?,
                     "irradiance",

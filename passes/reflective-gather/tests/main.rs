@@ -220,7 +220,7 @@ fn a_wall_is_interpolated_everywhere() {
         let sum: f64 = irradiance(&coarse).iter().zip(&whole_picture).map(of_pixel).sum();
         errors.push(sum / whole_picture.iter().map(|texel| f64::from(texel[0])).sum::<f64>());
         for (i, (found, exact)) in (0..).zip(irradiance(&coarse).iter().zip(&whole_picture)) {
-            let is_gathered = |at: u32, size: u32| at % divisor == 0 || at == size - 1;
+            let is_gathered = |at: u32, size: u32| at.is_multiple_of(divisor) || at == size - 1;
             if is_gathered(i % 70, 70) && is_gathered(i / 70, 37) {
                 assert_eq!(found, exact, "pixel {i}");
             }
