@@ -15,6 +15,10 @@
     // each block, which takes 1/stride² of the time. on-demand, for contribution alone: at the texels that the sampler asks for:
     // of 512² texels, 1,024 Metropolis-Hastings chains of 5 steps ask for 5,120; the inverse transform asks for all, twice.
 
+#option SPECULAR false // Whether the measure flux counts what texels reflect specularly, for lights with lobes; else a metal has no
+    // lights. Where the scene is glossy.
+#option RSM_SPECULAR false // whether the reflective shadow map has the member `specular`
+
 #if MEASURE == reflectance
 #input rsm: ReflectiveShadowMap with albedo // Each texel is a potential virtual light.
 #else
@@ -42,6 +46,9 @@
 
 #import "algorithms/scaled.wgsl"
 #import "color.wgsl"
+#if MEASURE == flux && SPECULAR && RSM_SPECULAR
+#import "beam.wgsl"
+#endif
 #if MEASURE == reflectance
 #import "reflectance-values.wgsl"
 #elif MEASURE == contribution
@@ -105,6 +112,9 @@ var rsm_position: texture_2d_array<f32>;
 var rsm_normal: texture_2d_array<f32>;
 #endif
 var rsm_flux: texture_2d_array<f32>;
+#if MEASURE == flux && SPECULAR && RSM_SPECULAR
+var rsm_specular: texture_2d_array<f32>;
+#endif
 
 /// The flux that a texel reflects [W]; 0 outside the map.
 fn flux_at(texel: vec2<u32>, layer: u32) -> vec3<f32> {
@@ -112,6 +122,15 @@ fn flux_at(texel: vec2<u32>, layer: u32) -> vec3<f32> {
     let flux = textureLoad(rsm_flux, texel, layer, 0).rgb;
     return select(vec3(0.0), flux, all(texel < textureDimensions(rsm_flux)));
 }
+
+#if MEASURE == flux && SPECULAR && RSM_SPECULAR
+/// The flux [W] that a texel reflects specularly at normal incidence.
+fn specular_flux(texel: vec2<u32>, layer: u32) -> vec3<f32> {
+    // Where the map is empty, so are both members.
+    let specular = textureLoad(rsm_specular, texel, layer, 0).rgb;
+    return specular * texel_beam(vec3(texel, layer), textureDimensions(rsm_flux)).flux;
+}
+#endif
 
 #if MEASURE == contribution && EVALUATE == blocks
 /// The texel that stands for a block: the one in the middle, or the brightest where that reflects nothing.
@@ -174,6 +193,8 @@ fn measure(
     if all(id.xy < textureDimensions(importance_map)) {
 #if MEASURE == contribution
         let value = importance_of(flux, response, settings.defensive);
+#elif SPECULAR && RSM_SPECULAR
+        let value = weight_of(luminance(flux + specular_flux(texel, id.z)));
 #else
         let value = weight_of(luminance(flux));
 #endif

@@ -6,10 +6,16 @@
 #input importance: Importance like rsm // What the probability of a texel is proportional to.
 #output lights: VirtualLights(count: settings.count) // N lights; none where the importance is 0 everywhere.
 
+#option LOBES false // Whether the lights say what their surfaces reflect specularly, for `gather-glossy`; where the scene is glossy.
+#option RSM_SPECULAR false // whether the map has the member `specular`
+
 #import "cumulative-choice.wgsl"
 #import "dispatch.wgsl"
 #import "random.wgsl"
 #import "rsm-light.wgsl"
+#if LOBES && RSM_SPECULAR
+#import "rsm-lobe.wgsl"
+#endif
 
 struct Settings {
     /// Number N of virtual lights. Error falls as N^-½; the time for shadows and gathering rises with N. [default: 1024,
@@ -30,6 +36,9 @@ var<storage, read> column_cdf: array<f32>;
 /// [layers] Sums over the maps.
 var<storage, read> layer_cdf: array<f32>;
 var<storage, read_write> lights: VirtualLights;
+#if LOBES && RSM_SPECULAR
+var<storage, read_write> lights_lobes: array<VirtualLobe>;
+#endif
 
 struct Distribution {
     /// LAYERS, ROWS or COLUMNS.
@@ -67,6 +76,9 @@ fn draw(thread: Row) {
     }
     if none {
         lights.lights[light] = dark_light(0u);
+#if LOBES && RSM_SPECULAR
+        lights_lobes[light] = no_lobe();
+#endif
         return;
     }
     let numbers = halton3(light + 1u, settings.seed);
@@ -78,4 +90,9 @@ fn draw(thread: Row) {
     let p = layer.probability * row.probability * column.probability;
     let weight = 1.0 / (f32(settings.count) * p);
     lights.lights[light] = virtual_light_from_texel(layer.index, column.index, row.index, weight);
+#if LOBES && RSM_SPECULAR
+    let lobe = lobe_from_texel(layer.index, column.index, row.index, weight);
+    lights.lights[light] = with_lobe(lights.lights[light], lobe);
+    lights_lobes[light] = lobe;
+#endif
 }

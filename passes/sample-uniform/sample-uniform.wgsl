@@ -5,9 +5,15 @@
 #input rsm: ReflectiveShadowMap // The texels to sample.
 #output lights: VirtualLights(count: settings.count) // N lights; those from empty texels are dark.
 
+#option LOBES false // Whether the lights say what their surfaces reflect specularly, for `gather-glossy`; where the scene is glossy.
+#option RSM_SPECULAR false // whether the map has the member `specular`
+
 #import "dispatch.wgsl"
 #import "random.wgsl"
 #import "rsm-light.wgsl"
+#if LOBES && RSM_SPECULAR
+#import "rsm-lobe.wgsl"
+#endif
 
 struct Settings {
     /// Number N of virtual lights. Error falls as N^-½; the time for shadows and gathering rises with N. [default: 1024,
@@ -18,6 +24,9 @@ struct Settings {
 
 var<uniform> settings: Settings;
 var<storage, read_write> lights: VirtualLights;
+#if LOBES && RSM_SPECULAR
+var<storage, read_write> lights_lobes: array<VirtualLobe>;
+#endif
 
 @compute @workgroup_size(64)
 fn sample(row: Row) {
@@ -34,4 +43,9 @@ fn sample(row: Row) {
     // Φ = flux / (N p) with p = 1 / texels.
     let weight = f32(size.x) * f32(size.y) * f32(size.z) / f32(settings.count);
     lights.lights[light] = virtual_light_from_texel(texel.x, texel.y, texel.z, weight);
+#if LOBES && RSM_SPECULAR
+    let lobe = lobe_from_texel(texel.x, texel.y, texel.z, weight);
+    lights.lights[light] = with_lobe(lights.lights[light], lobe);
+    lights_lobes[light] = lobe;
+#endif
 }

@@ -13,7 +13,14 @@ pub const LIGHTS: Struct =
 pub const INTERFACE: Interface = Interface::new(
     "VirtualLights",
     "Virtual lights, which represent reflected light.",
-    &[Member::required("", Content::Struct(LIGHTS), "how many lights there are, and the lights")],
+    &[
+        Member::required("", Content::Struct(LIGHTS), "how many lights there are, and the lights"),
+        Member::optional(
+            "lobes",
+            Content::Array("VirtualLobe"),
+            "what the surface of each light reflects specularly (virtual-lobe.wgsl), where the sampler is asked for it",
+        ),
+    ],
 )
 .with_facts(&[COUNT.decl()])
 .with_folder("crates/interfaces/virtual_lights");
@@ -22,6 +29,9 @@ wgsl_structs::wgsl! {
     "virtual_lights/virtual-lights.wgsl" {
         pub struct VirtualLight;
         pub struct VirtualLights as VirtualLightsHeader;
+    }
+    "virtual_lights/virtual-lobe.wgsl" {
+        pub struct VirtualLobe;
     }
 }
 

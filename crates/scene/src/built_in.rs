@@ -17,7 +17,7 @@ use crate::model::Model;
 type Make = fn() -> Model;
 
 /// Every built-in geometry, by name.
-const BUILT_IN: [(&str, Make); 19] = [
+const BUILT_IN: [(&str, Make); 20] = [
     ("cornell-box", cornell::cornell_box),
     ("cornell-box-lamp", cornell::cornell_box_lamp),
     ("atrium", atrium::atrium),
@@ -36,6 +36,7 @@ const BUILT_IN: [(&str, Make); 19] = [
     ("plane", simple::plane),
     ("cube", simple::cube),
     ("sphere", simple::sphere),
+    ("ring", simple::ring),
     ("empty", simple::empty),
 ];
 

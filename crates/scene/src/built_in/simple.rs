@@ -11,6 +11,9 @@ use crate::model::Model;
 /// Albedo ½.
 const GREY: [f32; 3] = [0.5, 0.5, 0.5];
 
+/// Reflectance of gold at normal incidence, linear Rec. 709.
+const GOLD: Vec3 = Vec3::new(1.0, 0.766, 0.336);
+
 /// Returns a square of 2 m × 2 m at y = 0, facing up, of albedo ½.
 pub(super) fn plane() -> Model {
     let mut builder = Builder::default();
@@ -39,6 +42,24 @@ pub(super) fn sphere() -> Model {
         (point, point)
     });
     builder.finish("sphere")
+}
+
+/// Returns a band of gold around the axis y, of radius 1 m from y = 0 to 0.4 m, 128 × 2 quads: seen from within, it throws the
+/// caustic of a ring.
+pub(super) fn ring() -> Model {
+    let mut builder = Builder::default();
+    let gold = builder.material(Material {
+        name: "gold".into(),
+        base_color: GOLD.extend(1.0),
+        metallic: 1.0,
+        roughness: 0.4,
+        ..Material::default()
+    });
+    builder.surface(gold, 128, 2, |u, v| {
+        let (sin, cos) = if u == 1.0 { (0.0, 1.0) } else { (u * TAU).sin_cos() };
+        (Vec3::new(cos, 0.4 * v, sin), Vec3::new(cos, 0.0, sin))
+    });
+    builder.finish("ring")
 }
 
 /// Returns a model without geometry.

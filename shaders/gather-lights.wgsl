@@ -1,0 +1,194 @@
+// Gathers the light of virtual lights at the camera's pixels, interleaved: for passes with the ports `view`, `lights`, `visibility`
+// and `irradiance`. [ISM §4]
+//
+// The pixels are split into n×m interleaved sub-images, and each sub-image takes one of n·m subsets of the lights
+// (Segovia et al. 2006).
+// A workgroup is 8×8 pixels of one sub-image, so all its threads read the same lights and nearby texels of their maps.
+//
+// A file that imports this one declares `struct Settings`, as gather.wgsl has it, and what is summed:
+//
+//     alias Sum                                             a vector or a matrix
+//     struct Receiver { place: Place, sum: Sum, … }
+//     fn receiver(place: Place) -> Receiver                 with the sum 0
+//     fn contribution(receiver: Receiver, light: VirtualLight, index: u32, terms: vec2<f32>) -> Sum
+//     fn store(pixel: vec2<u32>, sum: Sum, seen: bool)
+//
+// where `terms` are those of `geometry`, times the visibility; `index` is the light's.
+
+#option GEOMETRY bounded one_of [bounded, point-to-disc, disc] // What a light near a receiver gives. bounded: no more than at the
+    // bound, so what is nearer is lost. disc: what a disc of the light's area gives, for lights that stand for an area of known
+    // shape. point-to-disc: the same where it is straight ahead, Φ cosθ cosθ' / (π d² + A), and less elsewhere (ACRSM Eq. 3.9).
+#option VISIBILITY false // whether something says which lights are seen
+
+#import "camera.wgsl"
+#import "color.wgsl"
+#if GEOMETRY == disc
+#import "disc-irradiance.wgsl"
+#else
+#import "bounded-geometry.wgsl"
+#endif
+#import "scene.wgsl"
+#import "view-geometric.wgsl"
+#import "virtual-lights.wgsl"
+#if VISIBILITY
+#import interface "visibility"
+#endif
+
+var<uniform> settings: Settings;
+var<storage, read> lights: VirtualLights;
+var view_depth: texture_2d<f32>;
+var view_normal: texture_2d<f32>;
+/// Sums of the dispatches before, pixel by pixel. [scratch, count: view.width * view.height * min(parts - 1, 1)]
+var<storage, read_write> sums: array<Sum>;
+
+const STAGED: u32 = 64u;
+var<workgroup> staged: array<VirtualLight, STAGED>;
+
+/// A subset of the lights: its light k is `first + k * stride`.
+struct Subset {
+    first: u32,
+    count: u32,
+    stride: u32,
+}
+
+/// Subset s of `subsets`. Every light is in exactly one, also if the count is not a multiple of `subsets`.
+fn subset(s: u32, subsets: u32, count: u32) -> Subset {
+    if settings.subsets == 0u {
+        let first = s * count / subsets;
+        return Subset(first, (s + 1u) * count / subsets - first, 1u);
+    }
+    return Subset(s, (count + subsets - 1u - s) / subsets, subsets);
+}
+
+/// Geometry term of a light without its visibility [1/m²], cosθ cosθ' / (π d²), or the cosine alone where the light is infinitely
+/// far: what remains after the bound, and what the bound removes.
+fn geometry(light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> vec2<f32> {
+    if light.kind == INFINITELY_FAR {
+        return vec2(max(-dot(normal, light.normal), 0.0), 0.0);
+    }
+    let offset = at - light.position;
+    // Below the rounding of positions, neither the distance nor the light's direction is meaningful.
+    let rounding = 1e-6 * scene_info.extent;
+    let closest = settings.clamp * scene_info.dense_extent;
+#if GEOMETRY == disc
+    let radius = max(closest, rounding);
+    return vec2(disc_irradiance(offset, light.normal, normal, max(light.area / PI, radius * radius)), 0.0);
+#else
+    var least = PI * closest * closest;
+    var disc = light.area;
+#if GEOMETRY == bounded
+    least = max(least, settings.area_bound * settings.area_bound * light.area);
+    disc = 0.0;
+#endif
+    return bounded_geometry(offset, light.normal, normal, rounding, least, disc);
+#endif
+}
+
+/// Irradiance of a light [W/m²], and the luminance of what the bound removed.
+fn light_sum(flux: vec3<f32>, terms: vec2<f32>) -> vec4<f32> {
+    return vec4(flux * terms.x, luminance(flux) * terms.y);
+}
+
+/// A pixel for which a thread gathers.
+struct Place {
+    pixel: vec2<u32>,
+    seen: bool,
+    at: vec3<f32>,
+    normal: vec3<f32>,
+    /// The normal of its plane.
+    plane: vec3<f32>,
+}
+
+/// The place at a pixel; where that is outside of the frame, at the nearest inside.
+fn place_at(pixel: vec2<u32>) -> Place {
+    let inside = min(pixel, settings.view_size - 1u);
+    let depth = textureLoad(view_depth, inside, 0).x;
+    let normal = normalize(textureLoad(view_normal, inside, 0).xyz);
+    let at = camera.position + pixel_ray(vec2<f32>(inside), settings.view_size) * depth;
+    return Place(pixel, depth > 0.0, at, normal, plane_normal(inside, normal));
+}
+
+/// Pixels per thread along each side of a square, GROUP_SIDE apart: each light is read once for all of them.
+const SPAN: u32 = 2u;
+
+/// Side of a workgroup.
+const GROUP_SIDE: u32 = 8u;
+
+/// Side of the square of pixels of a sub-image that a workgroup takes.
+const SQUARE: u32 = GROUP_SIDE * SPAN;
+
+/// Gathers at the pixels of a square of GROUP_SIDE * SPAN in one sub-image. A light takes an iteration, and one more and a lookup
+/// for each pixel of a thread. [threads: (
+///     ((view.width + irradiance.interleave_x - 1) / irradiance.interleave_x + SQUARE - 1) / SQUARE * GROUP_SIDE,
+///     ((view.height + irradiance.interleave_y - 1) / irradiance.interleave_y + SQUARE - 1) / SQUARE * GROUP_SIDE
+///         * irradiance.interleave_x * irradiance.interleave_y, 1),
+/// items: 1 + lights.count / (min(settings.interleave_x, view.width) * min(settings.interleave_y, view.height)),
+/// iterations: 1 + SPAN * SPAN * (1 + visibility.iterations)]
+@compute @workgroup_size(GROUP_SIDE, GROUP_SIDE)
+fn gather(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(local_invocation_id) local: vec3<u32>,
+    @builtin(local_invocation_index) local_index: u32,
+) {
+    let interleave = vec2(settings.irradiance_interleave_x, settings.irradiance_interleave_y);
+    let subsets = interleave.x * interleave.y;
+    // Workgroups along a sub-image; the number of the widest for all of them. Sub-images follow one after the other, so
+    // that the maps of one subset of the lights are in the caches.
+    let groups = ((settings.view_size + interleave - 1u) / interleave + SQUARE - 1u) / SQUARE;
+    let image = group.y / groups.y;
+    let first = vec2(image % interleave.x, image / interleave.x);
+    let corner = vec2(group.x, group.y % groups.y) * SQUARE + local.xy;
+    var receivers: array<Receiver, SPAN * SPAN>;
+    for (var r = 0u; r < SPAN * SPAN; r++) {
+        let pixel = (corner + GROUP_SIDE * vec2(r % SPAN, r / SPAN)) * interleave + first;
+        receivers[r] = receiver(place_at(pixel));
+    }
+    let own = subset(image, subsets, min(lights.count, arrayLength(&lights.lights)));
+    let part_end = min(own.count, settings.end);
+    for (var begin = settings.begin; begin < part_end; begin += STAGED) {
+        if begin + local_index < part_end {
+            staged[local_index] = lights.lights[own.first + (begin + local_index) * own.stride];
+        }
+        workgroupBarrier();
+        let end = min(part_end - begin, STAGED);
+        for (var i = 0u; i < end; i++) {
+            let light = staged[i];
+            let index = own.first + (begin + i) * own.stride;
+            for (var r = 0u; r < SPAN * SPAN; r++) {
+                let place = receivers[r].place;
+                var terms = geometry(light, place.at, place.normal);
+#if VIEW_GEOMETRIC
+                // No light arrives from behind the plane, even where a bent normal faces it.
+                let to_light = select(light.position - place.at, -light.normal, light.kind == INFINITELY_FAR);
+                terms *= select(0.0, 1.0, dot(place.plane, to_light) > 0.0);
+#endif
+#if VISIBILITY
+                if terms.x > 0.0 {
+                    terms *= visibility(index, light, place.at, place.plane);
+                }
+#endif
+                receivers[r].sum += contribution(receivers[r], light, index, terms);
+            }
+        }
+        workgroupBarrier();
+    }
+    for (var r = 0u; r < SPAN * SPAN; r++) {
+        let place = receivers[r].place;
+        if all(place.pixel < settings.view_size) {
+            // A subset represents all lights: the mean over the sub-images is the sum over all lights.
+            var sum = receivers[r].sum * f32(subsets);
+            if !place.seen {
+                sum = Sum();
+            }
+            let index = place.pixel.y * settings.view_size.x + place.pixel.x;
+            if settings.begin > 0u {
+                sum += sums[index];
+            }
+            if settings.last == 0u {
+                sums[index] = sum;
+                continue;
+            }
+            store(place.pixel, sum, place.seen);
+        }
+    }
+}
