@@ -50,6 +50,10 @@ pub struct Comparison {
     pub reference_mean: [f64; 3],
     /// [`Pair::energy_ratio`].
     pub energy_ratio: Option<f64>,
+    /// The first of [`Pair::excess_and_missing`].
+    pub excess: Option<f64>,
+    /// The second.
+    pub missing: Option<f64>,
     /// [`Pair::rmse`] (radiance).
     pub rmse: f64,
     /// [`Pair::normalised_rmse`].
@@ -105,6 +109,8 @@ impl Comparison {
             mean,
             reference_mean,
             energy_ratio: pair.energy_ratio(),
+            excess: pair.excess_and_missing().map(|[excess, _]| excess),
+            missing: pair.excess_and_missing().map(|[_, missing]| missing),
             rmse: pair.rmse(),
             normalised_rmse: pair.normalised_rmse(),
             rel_mse: pair.rel_mse(options.epsilon),
@@ -158,6 +164,12 @@ impl fmt::Display for Comparison {
         line("mean RGB", rgb(self.mean), "image")?;
         line("", rgb(self.reference_mean), "reference")?;
         line("energy", optional(self.energy_ratio), "image / reference")?;
+        line(
+            "excess energy",
+            optional(self.excess),
+            "where the image is above the reference, by its energy",
+        )?;
+        line("missing energy", optional(self.missing), "where it is below")?;
         let how = match self.options.display {
             Some(display) => format!("{} at {:+} EV", display.tonemap, display.exposure),
             None => "display light".into(),

@@ -157,6 +157,17 @@ impl<'a> Pair<'a> {
         ratio(self.mean_over_channels(|i, _| i), self.mean_over_channels(|_, r| r))
     }
 
+    /// Returns the energy that the image has too much and too little, over that of the reference (1): the sum of I − R where it is
+    /// above 0, and of R − I where that is; the [energy ratio](Self::energy_ratio) is 1 + the first − the second. Against the same
+    /// lights seen by rays, these are the light of what maps falsely hold lit, and of what they falsely hold hidden, as far as
+    /// they do not cancel within a pixel. `None` where the reference's energy is 0.
+    pub fn excess_and_missing(&self) -> Option<[f64; 2]> {
+        let whole = self.mean_over_channels(|_, r| r);
+        let excess = ratio(self.mean_over_channels(|i, r| (i - r).max(0.0)), whole)?;
+        let missing = ratio(self.mean_over_channels(|i, r| (r - i).max(0.0)), whole)?;
+        Some([excess, missing])
+    }
+
     /// Returns ε as squared radiance, if it is above 0.
     fn squared_radiance(&self, epsilon: Epsilon) -> Option<f64> {
         let epsilon = match epsilon {
@@ -239,6 +250,9 @@ mod tests {
         close(pair.max_abs_difference(), 2.0);
         assert_eq!(pair.means(), [[0.5, 1.25, 2.0], [1.5, 0.75, 0.5]]);
         close(pair.energy_ratio().unwrap(), 7.5 / 5.5);
+        let [excess, missing] = pair.excess_and_missing().unwrap();
+        close(excess, 4.0 / 5.5);
+        close(missing, 2.0 / 5.5);
     }
 
     #[test]
@@ -289,6 +303,7 @@ mod tests {
         let pair = Pair::new(&pair.0, &pair.1).unwrap();
         assert_eq!(pair.normalised_rmse(), None);
         assert_eq!(pair.energy_ratio(), None);
+        assert_eq!(pair.excess_and_missing(), None);
         assert_eq!(pair.rel_mse(Epsilon::default()), None);
         assert_eq!(pair.mape(Epsilon::default()), None);
         close(pair.rel_mse(Epsilon::Absolute(1e-2)).unwrap(), 100.0);

@@ -392,6 +392,8 @@ fn error_of(measure: Measure, pair: &Pair<'_>) -> Option<f64> {
         Measure::Flip => Some(flip(pair, Display::default(), PIXELS_PER_DEGREE).mean()),
         Measure::HdrFlip => Some(hdr_flip(pair, PIXELS_PER_DEGREE).mean()),
         Measure::Energy => pair.energy_ratio(),
+        Measure::Excess => pair.excess_and_missing().map(|[excess, _]| excess),
+        Measure::Missing => pair.excess_and_missing().map(|[_, missing]| missing),
         _ => None,
     }
 }

@@ -90,6 +90,10 @@ measures! {
     HdrFlip "hdr-flip" "HDR-ꟻLIP" "" Lower true REFERENCE
         "Mean perceived difference over all exposures (Andersson et al. 2021)"
     Energy "energy" "energy" "" One false REFERENCE "Mean of the picture over that of the reference"
+    Excess "excess" "excess energy" "" Lower true REFERENCE
+        "Energy of the picture above the reference where it is above, over the reference's: against rays of the same lights, what is falsely lit"
+    Missing "missing" "missing energy" "" Lower true REFERENCE
+        "Energy of the picture below the reference where it is below, over the reference's: against rays of the same lights, what is falsely hidden"
     Mean "mean" "mean intensity" RADIANCE Neither false NONE
         "Mean of the picture over pixels and RGB, as for `energy`; for a scene that moves, over the frames too (TCAS Fig. 6)"
     Bias2 "bias2" "bias²" "(W/(m² sr))²" Lower true SEEDS
