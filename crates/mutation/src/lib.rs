@@ -6,6 +6,9 @@
 //! set. The seeds of cases that failed are kept beside the test, in a file `….regressions`, and are run first.
 
 mod edit;
+mod structure;
+
+pub use structure::{json, taken, wgsl};
 
 use edit::{Edit, Seeds};
 use proptest::prelude::*;

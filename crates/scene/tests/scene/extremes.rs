@@ -353,6 +353,20 @@ fn models() -> Vec<Vec<u8>> {
     glbs.iter().map(text).chain(glbs.iter().map(Glb::bytes)).collect()
 }
 
+/// The models that are text.
+fn documents() -> impl Iterator<Item = Value> {
+    models().into_iter().filter_map(|bytes| serde_json::from_slice(&bytes).ok())
+}
+
+#[test]
+fn edits_of_what_a_model_says_get_past_the_parser() {
+    let parses = |json: Value| {
+        gltf::Gltf::from_slice_without_validation(&serde_json::to_vec(&json).expect("JSON")).is_ok()
+    };
+    let taken = mutation::taken(&mutation::json(documents()), 400, parses);
+    assert!(3 * taken >= 400, "{taken} of 400");
+}
+
 fn base64(three: &[u8]) -> String {
     const LETTERS: &[u8] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let bits = three.iter().fold(0_u32, |bits, byte| bits << 8 | u32::from(*byte)) << (8 * (3 - three.len()));
@@ -372,6 +386,12 @@ proptest! {
     fn models_with_edits(bytes in mutation::bytes(models())) {
         let name = if bytes.starts_with(b"glTF") { "test.glb" } else { "test.gltf" };
         crate::broken::assert_sound(mutation::within(LIMIT, move || load_bytes(name, &bytes)))?;
+    }
+
+    #[test]
+    fn models_that_say_something_else(json in mutation::json(documents())) {
+        let bytes = serde_json::to_vec(&json).expect("JSON");
+        crate::broken::assert_sound(mutation::within(LIMIT, move || load_bytes("test.gltf", &bytes)))?;
     }
 
     #[test]

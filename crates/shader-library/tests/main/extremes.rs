@@ -193,11 +193,28 @@ fn load_all(library: &Library) -> Vec<data_file::Diagnostics> {
     errors
 }
 
+fn good_texts() -> impl Iterator<Item = String> {
+    good().into_iter().map(|(_, text)| text)
+}
+
+#[test]
+fn edits_of_what_a_shader_says_get_past_the_parser() {
+    let files = good();
+    let parses = |text: String| {
+        let mut files: Vec<(&str, &str)> =
+            files.iter().map(|(name, text)| (name.as_str(), text.as_str())).collect();
+        files.push(("main.wgsl", &text));
+        library(&files).load(&Request::new("main.wgsl")).is_ok()
+    };
+    let taken = mutation::taken(&mutation::wgsl(good_texts()), 100, parses);
+    assert!(3 * taken >= 100, "{taken} of 100");
+}
+
 proptest! {
     #![proptest_config(mutation::config(200))]
 
     #[test]
-    fn shaders_of_this_tree_with_edits(text in mutation::texts(good().into_iter().map(|(_, text)| text))) {
+    fn shaders_of_this_tree_with_edits(text in prop_oneof![mutation::texts(good_texts()), mutation::wgsl(good_texts())]) {
         let all = mutation::within(LIMIT, move || {
             let mut files = good();
             files.push(("main.wgsl".to_owned(), text));

@@ -86,6 +86,7 @@ fn every_curve_shows_what_the_cpu_reference_shows() {
         let Some(outputs) = outputs else { return };
         let display: Vec<[u8; 4]> = outputs.read("display");
         for (i, found) in display.iter().enumerate() {
+            assert_eq!(found[3], 255, "a display hides nothing");
             let expected = displayed(tonemap, direct[i], 1.5, 6.0);
             for k in 0..3 {
                 // Half a step for rounding, and a little for the GPU's pow.

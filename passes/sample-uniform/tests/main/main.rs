@@ -120,7 +120,7 @@ fn one_texel_and_one_light() {
     assert!((carried - 1.0).abs() < 0.05, "{carried} of 1 W");
 }
 
-/// The surface that a light of the scene sees in its layer of maps of 2×2 texels, in the texel at the upper right: position, flux and area.
+/// The surface that a light of the scene sees in its layer of maps of 4×4 texels, in one near the middle: position, flux and area.
 struct Seen {
     layer: u32,
     position: Vec3,
@@ -131,46 +131,57 @@ struct Seen {
 impl Seen {
     /// Index of the texel.
     fn texel(&self) -> u32 {
-        self.layer * 4 + 1
+        self.layer * 16 + 6
     }
 }
 
-/// Two point lights see the same floor, which a third one does not see for what hangs above it.
+/// Two point lights see the same floor, which a third one does not see for what hangs above it. The floor that the second
+/// sees is so near to the border of the first one's texel that another scale of the map would miss it.
 const SEEN: [Seen; 3] = [
-    Seen { layer: 5, position: vec3(0.5, 0.25, 0.0), flux: 2.0, area: 0.5 },
-    Seen { layer: 11, position: vec3(0.52, 0.25, 0.0), flux: 3.0, area: 0.25 },
+    Seen { layer: 5, position: vec3(0.45, 0.45, 0.0), flux: 2.0, area: 0.5 },
+    Seen { layer: 11, position: vec3(0.47, 0.46, 0.0), flux: 3.0, area: 0.25 },
     Seen { layer: 17, position: vec3(0.1, 0.05, 2.5), flux: 7.0, area: 1.0 },
 ];
 
-/// A surface that several lights see is shared by the virtual lights of their layers: by radiosity, 4 and 12 W/m².
+/// A surface that several lights see is shared by the virtual lights of their layers: by radiosity, 4 and 12 W/m². It is the
+/// same where it lies within a quarter of a texel's side, here 0.177 m, of the plane, and is turned by up to 60°.
 #[test]
 fn what_several_lights_see_is_shared_by_radiosity() {
-    const COUNT: u32 = 4096;
-    let (size, layers) = ((2, 2), 18);
+    const COUNT: u32 = 8192;
+    let (size, layers) = ((4, 4), 18);
     let mut scene = pass_test::scene("plane");
     let point = |z| Light { kind: LightKind::Point, position: vec3(0.0, 0.0, z), ..scene.lights[0].clone() };
     scene.lights = [1.0, 2.0, 3.0].map(point).to_vec();
-    let mut texels = vec![RsmTexel::default(); (size.0 * size.1 * layers) as usize];
-    for seen in &SEEN {
-        texels[seen.texel() as usize] = RsmTexel {
-            position: seen.position.extend(1.0).to_array(),
-            normal: [0.0, 0.0, 1.0],
-            flux: [seen.flux, seen.flux, seen.flux, seen.area],
-        };
-    }
-    let harness = Harness::new(PASS).with_scene(scene).set("count", COUNT);
-    let Some(outputs) = harness.rsm(size, &texels).run() else { return };
     let weight = cpu_reference::weight(size, layers, COUNT) as f32;
-    for (seen, share) in SEEN.iter().zip([0.25, 0.75, 1.0]) {
+    let cases =
+        [(0.0, 1.0, true), (0.17, 1.0, true), (0.19, 1.0, false), (0.0, 0.55, true), (0.0, 0.45, false)];
+    for (above, cosine, is_same) in cases {
+        let mut texels = vec![RsmTexel::default(); (size.0 * size.1 * layers) as usize];
+        for (i, seen) in SEEN.iter().enumerate() {
+            // Raised towards the first light, it is seen at the same place.
+            let (up, cosine): (f32, f32) = if i == 1 { (above, cosine) } else { (0.0, 1.0) };
+            let position =
+                vec3(seen.position.x * (1.0 - up), seen.position.y * (1.0 - up), seen.position.z + up);
+            texels[seen.texel() as usize] = RsmTexel {
+                position: position.extend(1.0).to_array(),
+                normal: [0.0, (1.0 - cosine * cosine).sqrt(), cosine],
+                flux: [seen.flux, seen.flux, seen.flux, seen.area],
+            };
+        }
+        let harness = Harness::new(PASS).with_scene(scene.clone()).set("count", COUNT);
+        let Some(outputs) = harness.rsm(size, &texels).run() else { return };
         let lights = outputs.lights("lights");
-        let mut areas =
-            lights.iter().filter(|light| light.texel == seen.texel()).map(|light| light.area).peekable();
-        assert!(areas.peek().is_some(), "layer {} has no virtual light", seen.layer);
-        let expected = weight * seen.area * share;
-        assert!(
-            areas.all(|area| (area / expected - 1.0).abs() < 1e-5),
-            "layer {}: {expected} m²",
-            seen.layer
-        );
+        let shares = if is_same { [0.25, 0.75, 1.0] } else { [1.0; 3] };
+        for (seen, share) in SEEN.iter().zip(shares) {
+            let of_texel = lights.iter().filter(|light| light.texel == seen.texel());
+            let mut areas = of_texel.map(|light| light.area).peekable();
+            assert!(areas.peek().is_some(), "layer {} has no virtual light", seen.layer);
+            let expected = weight * seen.area * share;
+            assert!(
+                areas.all(|area| (area / expected - 1.0).abs() < 1e-5),
+                "layer {}, {above} m above, turned by the cosine {cosine}: {expected} m²",
+                seen.layer
+            );
+        }
     }
 }
