@@ -58,6 +58,9 @@ fn settings_counts_and_sizes_follow_parameters() {
     assert_eq!(setting(&plain, "blur", "radius"), Value::F32(3.0));
     assert_eq!(setting(&plain, "blur", "offset"), Value::I32(1));
     assert_eq!(setting(&plain, "blur", "mode"), Value::Text("gauss".into()));
+    // The rest of a number that is not whole: 5.5 less 4.
+    let (rest, _) = plan(&text(r#""radius": "$share * 22 % 4""#), &[]);
+    assert_eq!(setting(&rest, "blur", "radius"), Value::F32(1.5));
     // Through a part: 2 · (100 · 4) + 1.
     assert_eq!(setting(&plain, "part/lights", "count"), Value::U32(801));
     assert_eq!(setting(&plain, "full", "strength"), Value::F32(0.5));
