@@ -15,6 +15,7 @@ mod errors;
 mod faults;
 mod flux;
 mod frames;
+mod glossy;
 #[cfg(unix)]
 mod guides;
 mod incremental;
