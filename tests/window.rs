@@ -227,7 +227,7 @@ const EDITED: [(&str, &str, &str); 9] = [
     (DISPLAY, SHOWN, "displayed(seen.bgr, settings.exposure, settings.white)"),
     ("shaders/tonemap.wgsl", "* exp2(exposure)", "* exp2(exposure + 1.0)"),
     ("shaders/color.wgsl", "0.7152", "0.5152"),
-    ("passes/gather/gather.wgsl", "\n@compute", "\nconst OWN: u32 = 1u;\n@compute"),
+    ("passes/gather/gather.wgsl", "\nstruct Receiver", "\nconst OWN: u32 = 1u;\nstruct Receiver"),
     ("passes/gbuffer/gbuffer.wgsl", "\n@vertex", "\nconst OWN: u32 = 1u;\n@vertex"),
     ("pipelines/parts/imperfect-shadow-maps-on-the-fly.ron", "about: \"", "about: \"Own. "),
     ("pipelines/small.ron", "default: 16", "default: 12"),
