@@ -174,7 +174,7 @@ fn sobols_sequence_is_stratified_wherever_it_begins() {
                 })
                 .collect();
             for columns in [1, 2, 4, 8, 16] {
-                let cell = |x: u32, cells: u64| (u64::from(x) * cells >> 32) as usize;
+                let cell = |x: u32, cells: u64| ((u64::from(x) * cells) >> 32) as usize;
                 let mut counts = [0; 16];
                 for point in &points {
                     let rows = 16 / columns;
