@@ -1,7 +1,7 @@
 //! Where things are: panels leave room for the picture, and labels stand before their fields.
 
 use super::{Window, pump, window};
-use crate::action::{Tab, View};
+use crate::action::{IN_THE_PICTURE, Tab, View, table};
 use crate::engine::SideId;
 use eframe::egui::accessibility::is_input;
 use eframe::egui::{Rect, Role, vec2};
@@ -78,5 +78,26 @@ fn labels_stand_before_their_fields() {
             }
         }
         assert!(seen > 5, "{}: {seen} labels", tab.name());
+    }
+}
+
+/// All keys are seen at once in a window of usual size; a small one holds their list, which scrolls.
+#[test]
+fn the_keys_are_seen_at_once() {
+    let Some(mut harness) = window("ism-invtm", "plane") else { return };
+    harness.state_mut().help = true;
+    for (size, whole) in
+        [(vec2(1500.0, 1000.0), true), (vec2(1100.0, 800.0), true), (vec2(480.0, 320.0), false)]
+    {
+        harness.set_size(size);
+        harness.run_steps(8);
+        let space = harness.ctx.content_rect();
+        let seen =
+            |about: &str| harness.query_all_by_label(about).any(|label| space.contains_rect(label.rect()));
+        assert!(seen("Keys"), "{size}");
+        let keys = table();
+        let entries = keys.iter().map(|entry| entry.about).chain(IN_THE_PICTURE.map(|(_, about)| about));
+        let hidden: Vec<&str> = entries.filter(|about| !seen(about)).collect();
+        assert_eq!(hidden.is_empty(), whole, "{size}: {hidden:?}");
     }
 }
