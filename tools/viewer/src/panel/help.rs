@@ -17,7 +17,7 @@ pub(crate) fn show(app: &mut App, context: &Context) {
     let space = context.content_rect().size() - MARGIN;
     let window = Window::new("Keys").open(&mut open).collapsible(false).resizable(false);
     window.anchor(Align2::CENTER_CENTER, [0.0, 0.0]).show(context, |ui| {
-        let area = ScrollArea::vertical().max_height(space.y).max_width(space.x);
+        let area = ScrollArea::vertical().max_height(space.y).min_scrolled_height(space.y).max_width(space.x);
         area.scroll_bar_visibility(ScrollBarVisibility::VisibleWhenNeeded).show(ui, |ui| {
             let keys: Vec<(String, &str)> = table()
                 .iter()
