@@ -1,6 +1,6 @@
 //! The application: the content of the window, and its reaction to input.
 
-use crate::action::{Action, Tab, View, table};
+use crate::action::{Action, Entry, Tab, View, table};
 use crate::auto::Auto;
 use crate::editor::Editor;
 use crate::edits::{Saved, Settings};
@@ -18,7 +18,9 @@ use crate::remembered::Remembered;
 use crate::snapshots::Snapshots;
 use crate::textures::Textures;
 use crate::viewport::{self, FrameSize};
-use eframe::egui::{self, CentralPanel, Context, FontDefinitions, FontFamily, Panel, ScrollArea, Ui};
+use eframe::egui::{
+    self, CentralPanel, Context, FontDefinitions, FontFamily, KeyboardShortcut, Panel, ScrollArea, Ui,
+};
 use frame_graph::Overrides;
 use renderer::Catalog;
 use std::sync::Arc;
@@ -79,6 +81,8 @@ pub(crate) struct App {
     pub(crate) holds_what_is_saved: bool,
     /// Where the places of errors are opened.
     pub(crate) editor: Option<Editor>,
+    /// When a plain key was taken last, the key, and what it does: whoever meant to type sees it.
+    pub(crate) pressed: Option<(Instant, String)>,
     /// When the window was opened.
     pub(crate) begun: Instant,
     /// Milliseconds that the interface took, averaged.
@@ -157,6 +161,7 @@ impl App {
             quits: false,
             holds_what_is_saved: false,
             editor: None,
+            pressed: None,
             begun: Instant::now(),
             interface_ms: 0.0,
             library,
@@ -276,19 +281,26 @@ impl App {
         let typing = context.memory(|memory| memory.focused().is_some()) || self.asks();
         let of_text = context.text_edit_focused();
         let entries = table();
-        let taken: Vec<Action> = context.input_mut(|input| {
-            let takes = |entry: &&crate::action::Entry| {
+        let is_function = |key: &KeyboardShortcut| {
+            key.logical_key.name().starts_with('F') && key.logical_key.name().len() > 1
+        };
+        let taken: Vec<&Entry> = context.input_mut(|input| {
+            let takes = |entry: &&Entry| {
                 let Some(key) = entry.key else { return false };
-                let function = key.logical_key.name().starts_with('F') && key.logical_key.name().len() > 1;
+                let function = is_function(&key);
                 // A text has its own steps back and forward.
                 let own = of_text && matches!(entry.action, Action::Undo | Action::Redo);
                 let free = (key.modifiers.command || function || !typing) && !own;
                 free && input.consume_shortcut(&key)
             };
-            entries.iter().filter(takes).map(|entry| entry.action).collect()
+            entries.iter().filter(takes).collect()
         });
-        for action in taken {
-            self.act(action, context);
+        for entry in taken {
+            if let Some(key) = entry.key.filter(|key| !key.modifiers.command && !is_function(key)) {
+                let line = format!("{}: {}", context.format_shortcut(&key), entry.about);
+                self.pressed = Some((Instant::now(), line));
+            }
+            self.act(entry.action, context);
         }
     }
 

@@ -356,3 +356,17 @@ fn a_click_on_an_error_opens_its_place() {
     pump(&mut harness, |_| opened_at.exists());
     assert_eq!(std::fs::read_to_string(&opened_at).unwrap().trim(), format!("{name}:2:20"));
 }
+
+/// A key that someone types who believes to be in a field is taken as an action, and the window says which.
+#[test]
+fn plain_keys_are_named_as_they_are_taken() {
+    let Some(mut harness) = window("ism-invtm", "plane") else { return };
+    let named = |harness: &Window| harness.state().pressed.as_ref().map(|(_, line)| line.clone());
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::T);
+    harness.key_press(Key::F2);
+    harness.run_steps(2);
+    assert_eq!(named(&harness), None, "these are no letters of a text");
+    harness.key_press(Key::K);
+    harness.run_steps(2);
+    assert_eq!(named(&harness).as_deref(), Some("K: Record a key of the camera at the time shown"));
+}

@@ -120,12 +120,17 @@ pub(crate) fn show(app: &mut App, ui: &mut Ui) {
     errors::show(app, ui, rect);
 }
 
-/// Shows the first line of the newest message while it is new, over the picture: a line of its own would change the size of
-/// frames.
+/// Shows the first line of the newest message, or the key that was pressed since, while it is new, over the picture: a line of its
+/// own would change the size of frames.
 fn news(app: &App, ui: &Ui, rect: Rect) {
-    let newest = app.now.messages.back().filter(|message| message.time.elapsed() < NEWS && !app.bare);
-    let Some(message) = newest else { return };
-    let line = message.text.lines().find(|line| !line.trim().is_empty()).unwrap_or_default();
+    let message = app.now.messages.back().map(|message| {
+        let line = message.text.lines().find(|line| !line.trim().is_empty());
+        (message.time, line.unwrap_or_default())
+    });
+    let pressed = app.pressed.as_ref().map(|(time, line)| (*time, line.as_str()));
+    let newest = message.into_iter().chain(pressed).max_by_key(|(time, _)| *time);
+    let newest = newest.filter(|(time, _)| time.elapsed() < NEWS && !app.bare);
+    let Some((_, line)) = newest else { return };
     let (painter, margin) = (ui.painter_at(rect), vec2(9.0, 7.0));
     let width = (rect.width() - 2.0 * margin.x).max(1.0);
     let galley = painter.layout(line.to_owned(), FontId::proportional(13.0), Color32::WHITE, width);
