@@ -64,8 +64,6 @@ impl Display {
         // `-displayfd 1`: the server takes a free number, and writes it to its standard output once it listens.
         // `-noreset`: else it starts anew when its last client leaves, and refuses those that connect meanwhile. Each xdotool
         // is such a client.
-        // `-noreset`: else it starts anew when its last client leaves, and refuses those that connect meanwhile. Each xdotool
-        // is such a client.
         let server = Command::new("Xvfb")
             .args(["-displayfd", "1", "-noreset", "-nolisten", "tcp", "-dpi", "96", "-screen", "0"])
             .arg(format!("{}x{}x24", SCREEN.0, SCREEN.1))
