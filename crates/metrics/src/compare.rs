@@ -99,6 +99,7 @@ impl Comparison {
     pub fn new(image: &Image, reference: &Image, options: ComparisonOptions) -> Result<Self, ImageError> {
         let pair = Pair::new(image, reference)?;
         let [mean, reference_mean] = pair.means();
+        let parts = pair.excess_and_missing();
         let ppd = options.pixels_per_degree;
         let display = options.display.unwrap_or(Display::AS_IS);
         Ok(Self {
@@ -109,8 +110,8 @@ impl Comparison {
             mean,
             reference_mean,
             energy_ratio: pair.energy_ratio(),
-            excess: pair.excess_and_missing().map(|[excess, _]| excess),
-            missing: pair.excess_and_missing().map(|[_, missing]| missing),
+            excess: parts.map(|[excess, _]| excess),
+            missing: parts.map(|[_, missing]| missing),
             rmse: pair.rmse(),
             normalised_rmse: pair.normalised_rmse(),
             rel_mse: pair.rel_mse(options.epsilon),

@@ -162,10 +162,14 @@ impl<'a> Pair<'a> {
     /// lights seen by rays, these are the light of what maps falsely hold lit, and of what they falsely hold hidden, as far as
     /// they do not cancel within a pixel. `None` where the reference's energy is 0.
     pub fn excess_and_missing(&self) -> Option<[f64; 2]> {
-        let whole = self.mean_over_channels(|_, r| r);
-        let excess = ratio(self.mean_over_channels(|i, r| (i - r).max(0.0)), whole)?;
-        let missing = ratio(self.mean_over_channels(|i, r| (r - i).max(0.0)), whole)?;
-        Some([excess, missing])
+        let over_channels = |term: fn(f64, f64) -> f64, i: [f64; 3], r: [f64; 3]| -> f64 {
+            i.iter().zip(r).map(|(i, r)| term(*i, r)).sum()
+        };
+        let [excess, missing, whole] = self.sum(|i, r| {
+            let above = over_channels(|i, r| (i - r).max(0.0), i, r);
+            [above, over_channels(|i, r| (r - i).max(0.0), i, r), r.iter().sum()]
+        });
+        Some([ratio(excess, whole)?, ratio(missing, whole)?])
     }
 
     /// Returns ε as squared radiance, if it is above 0.
