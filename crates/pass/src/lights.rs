@@ -40,8 +40,9 @@ pub fn chosen(settings: &Settings) -> Option<Arc<[String]>> {
 
 /// Refuses names that the scene does not have.
 pub(crate) fn check(settings: &Settings, traits: &Traits) -> Result<(), PassTypeError> {
+    let Some(names) = chosen(settings) else { return Ok(()) };
     let known: Vec<&str> = traits.sources.iter().map(|source| source.name.as_str()).collect();
-    for name in chosen(settings).iter().flat_map(|names| names.iter()) {
+    for name in names.iter() {
         if !known.contains(&name.as_str()) {
             let message = format!("the scene has no light `{name}`");
             let help = match frame_graph::nearest(name, known.iter().copied()) {
