@@ -17,7 +17,7 @@ pub use shared::SceneOnGpu;
 
 use bytemuck::cast_slice;
 use executor::wgpu::{self, BufferUsages};
-use executor::{Executor, ExecutorError, SceneBinding};
+use executor::{Executor, ExecutorError, Gpu, SceneBinding};
 use frame_graph::SceneBindings;
 use frame_graph::frame::Change;
 use glam::{Vec2, Vec3};
@@ -53,6 +53,9 @@ pub struct SceneView {
     bound: u64,
     seen: u64,
 }
+
+/// The label of the buffers of lights of which some are taken alone.
+const CHOSEN_LIGHTS: &str = "scene lights, chosen";
 
 /// What steps read that take some sources of light alone.
 #[derive(Debug)]
@@ -183,7 +186,7 @@ impl SceneView {
             let stored = |label, bytes: &[u8]| buffer(&device, label, bytes, BufferUsages::STORAGE);
             let made = ChosenLights {
                 names: Arc::clone(names),
-                lights: stored("scene lights, chosen", &lights),
+                lights: stored(CHOSEN_LIGHTS, &lights),
                 emitters: stored("scene emitters, chosen", &gpu_data::emitters(&emitters)),
             };
             made.bind(executor);
@@ -263,24 +266,29 @@ impl SceneView {
         let gpu = executor.gpu().clone();
         for chosen in &mut self.chosen {
             let (bytes, _) = gpu_data::lights(&alone(&self.seen_lights, &chosen.names), scene.bounds());
-            if bytes.len() as u64 <= chosen.lights.size() {
-                gpu.queue.write_buffer(&chosen.lights, 0, &bytes);
-            } else {
-                chosen.lights = buffer(&gpu.device, "scene lights, chosen", &bytes, BufferUsages::STORAGE);
+            if rewrite(&gpu, CHOSEN_LIGHTS, &mut chosen.lights, &bytes) {
                 chosen.bind(executor);
             }
         }
         let mut write = |name: &'static str, label, held: &mut wgpu::Buffer, bytes: &[u8]| {
-            if bytes.len() as u64 <= held.size() {
-                gpu.queue.write_buffer(held, 0, bytes);
-                return;
+            if rewrite(&gpu, label, held, bytes) {
+                executor.set_scene_binding(name, SceneBinding::Buffer(held.clone()));
             }
-            *held = buffer(&gpu.device, label, bytes, BufferUsages::STORAGE);
-            executor.set_scene_binding(name, SceneBinding::Buffer(held.clone()));
         };
         write("scene_lights", "scene lights", &mut self.lights, lights);
         write("scene_light_layers", "scene light layers", &mut self.layers, layers);
     }
+}
+
+/// Writes a buffer of lights anew. Returns whether it had to be replaced by a larger one.
+fn rewrite(gpu: &Gpu, label: &str, held: &mut wgpu::Buffer, bytes: &[u8]) -> bool {
+    let grows = bytes.len() as u64 > held.size();
+    if grows {
+        *held = buffer(&gpu.device, label, bytes, BufferUsages::STORAGE);
+    } else {
+        gpu.queue.write_buffer(held, 0, bytes);
+    }
+    grows
 }
 
 /// Returns all lights, of which those without one of these names are dark: numbers of lights and layers stay.
