@@ -31,11 +31,9 @@ impl PreviousPositions {
     /// Takes over the geometry of a frame that begins. Returns whether the positions of the frame before are others than
     /// those of the one before that. Before the first frame all was where it is.
     pub(crate) fn follow(&mut self, queue: &wgpu::Queue, moved: &[MovedVertices]) -> bool {
-        let previous = self.last.take();
-        if self.last.as_deref() != Some(moved) {
-            self.last = Some(moved.to_vec());
-        }
-        let previous = previous.as_deref().unwrap_or(moved);
+        let rests = self.last.as_deref() == Some(moved);
+        let before = if rests { None } else { self.last.replace(moved.to_vec()) };
+        let previous = before.as_deref().unwrap_or(moved);
         if !self.wanted || self.written.as_deref() == Some(previous) {
             return false;
         }
