@@ -44,7 +44,8 @@ SlurmctldPort=$controller
 SlurmUser=root
 SlurmdUser=root
 AuthType=auth/munge
-AuthInfo=socket=$dir/munge.socket
+# A job that is put back into the queue waits until its credential has expired: 120 seconds by default.
+AuthInfo=cred_expire=20,socket=$dir/munge.socket
 CredType=cred/munge
 StateSaveLocation=$dir/state
 SlurmdSpoolDir=$dir/spool.%n
