@@ -218,12 +218,13 @@ fn the_trees_studies_run_in_miniature() {
             arguments.extend(["--set", "shadows.points=4096"]);
         }
         let reference: &[&str] = match name.as_str() {
-            "ism-fig-4" => &["map=32", "rsm.size=32"],
+            "ism-fig-4" | "ism-fig-5" | "ism-fig-12" => &["map=32", "rsm.size=32"],
             "filters" | "tcas-fig-6" | "tcas-weights" | "imperfect-maps" | "acrsm-fig-3-10"
             | "acrsm-fig-6-1" | "acrsm-fig-6-2" | "approximations" | "false-shadows" | "ism-fig-8" => {
                 &["lights=64", "rsm.size=32"]
             }
             "approximations-smc-ir-frame" => &["lights=16"],
+            "ism-fig-7" => &["samples=4"],
             _ => &["samples=4", "bounces=1"],
         };
         for set in reference {
