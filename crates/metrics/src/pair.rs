@@ -162,12 +162,9 @@ impl<'a> Pair<'a> {
     /// lights seen by rays, these are the light of what maps falsely hold lit, and of what they falsely hold hidden, as far as
     /// they do not cancel within a pixel. `None` where the reference's energy is 0.
     pub fn excess_and_missing(&self) -> Option<[f64; 2]> {
-        let over_channels = |term: fn(f64, f64) -> f64, i: [f64; 3], r: [f64; 3]| -> f64 {
-            i.iter().zip(r).map(|(i, r)| term(*i, r)).sum()
-        };
         let [excess, missing, whole] = self.sum(|i, r| {
-            let above = over_channels(|i, r| (i - r).max(0.0), i, r);
-            [above, over_channels(|i, r| (r - i).max(0.0), i, r), r.iter().sum()]
+            let sum = |term: fn(f64, f64) -> f64| (0..3).map(|c| term(i[c], r[c])).sum();
+            [sum(|i, r| (i - r).max(0.0)), sum(|i, r| (r - i).max(0.0)), sum(|_, r| r)]
         });
         Some([ratio(excess, whole)?, ratio(missing, whole)?])
     }
