@@ -8,6 +8,7 @@
 
 #import "amplification.wgsl"
 #import "mask.wgsl"
+#import "random.wgsl"
 #import "scene.wgsl"
 #import "sobol.wgsl"
 #import "surface-sample.wgsl"
@@ -25,14 +26,6 @@ var<storage, read> points: Amplification;
 /// Returns how many points the triangles before one have.
 fn interval_start(triangle: u32) -> u32 {
     return points.starts[triangle];
-}
-
-/// Upper 32 bits of the product.
-fn multiply_high(a: u32, b: u32) -> u32 {
-    let low = (a & 0xffffu) * (b & 0xffffu);
-    let first = (a >> 16u) * (b & 0xffffu) + (low >> 16u);
-    let second = (a & 0xffffu) * (b >> 16u) + (first & 0xffffu);
-    return (a >> 16u) * (b >> 16u) + (first >> 16u) + (second >> 16u);
 }
 
 /// Returns the number of samples to generate for all maps together: the triangles' sum, or ANY_NUMBER.

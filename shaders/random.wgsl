@@ -18,6 +18,14 @@ fn unit_float(bits: u32) -> f32 {
     return f32(bits >> 8u) * (1.0 / 16777216.0);
 }
 
+/// Upper 32 bits of the product: of random bits and a number, a random number below it.
+fn multiply_high(a: u32, b: u32) -> u32 {
+    let low = (a & 0xffffu) * (b & 0xffffu);
+    let first = (a >> 16u) * (b & 0xffffu) + (low >> 16u);
+    let second = (a & 0xffffu) * (b >> 16u) + (first & 0xffffu);
+    return (a >> 16u) * (b >> 16u) + (first >> 16u) + (second >> 16u);
+}
+
 /// Element `index` of van der Corput's sequence of a prime base, in [0, 1) (Halton 1960). Digits are gathered in an
 /// integer and divided once, so the error is that of three roundings; exact while base^digits < 2³².
 fn radical_inverse(base: u32, index: u32) -> f32 {

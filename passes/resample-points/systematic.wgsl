@@ -50,18 +50,12 @@ fn scan_total(sum: u32) {
     total = sum;
 }
 
-/// The product of two numbers in units of 2^-32, but for the last two bits.
-fn product(a: u32, b: u32) -> u32 {
-    let high = (a >> 16u) * (b >> 16u);
-    return high + (((a >> 16u) * (b & 0xffffu)) >> 16u) + (((a & 0xffffu) * (b >> 16u)) >> 16u);
-}
-
 /// The random number by which sums are shifted [2^-32]. Rounding leaves the sum of all a little above or below a whole number:
 /// of the shifts, those are left out that would take a point more or fewer for it.
 fn shift() -> u32 {
     let beyond = bitcast<i32>(total);
     let random = hash2(settings.seed, points.header.iteration);
-    return bitcast<u32>(max(-beyond, 0)) + product(random, 0xffffffffu - u32(abs(beyond)));
+    return bitcast<u32>(max(-beyond, 0)) + multiply_high(random, 0xffffffffu - u32(abs(beyond)));
 }
 
 /// Takes a point or not.

@@ -191,7 +191,7 @@ fn products_of_whole_numbers_have_their_upper_half() {
     for (a, b) in
         [(0, 9), (3, 5), (0x0001_0000, 0x0001_0000), (0x1234_5678, 0x9abc_def0), (u32::MAX, u32::MAX)]
     {
-        let file = Request::new("shaders/points-on-the-fly.wgsl");
+        let file = Request::new("shaders/random.wgsl");
         let found = numbers(&called(&file, "multiply_high", vec![whole(a), whole(b)]));
         assert_eq!(found, [((u64::from(a) * u64::from(b)) >> 32) as u32], "{a:#x} × {b:#x}");
     }
