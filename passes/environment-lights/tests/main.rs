@@ -91,3 +91,10 @@ fn without_light_all_are_dark_and_all_is_finite() {
         assert!(found.iter().all(|light| light.flux[0].is_finite() && light.position[0].is_finite()));
     }
 }
+
+#[test]
+fn one_light_stands_for_the_whole_sky() {
+    let Some(found) = lights(&under(Some(Environment::uniform([1.0; 3]))), 1) else { return };
+    assert_eq!(found.len(), 1);
+    assert!((f64::from(found[0].flux[0]) / (4.0 * PI) - 1.0).abs() < 1e-5, "{:?}", found[0]);
+}

@@ -26,6 +26,8 @@ struct Case {
     owners_before: Vec<u32>,
     heirs: Vec<u32>,
     past: Vec<VirtualLight>,
+    /// The number of these that count.
+    past_count: u32,
     /// Frames of history.
     age: u32,
     frames: u32,
@@ -43,6 +45,7 @@ impl Case {
             owners,
             heirs: (0..lights).collect(),
             past: vec![VirtualLight::default(); lights as usize],
+            past_count: lights,
             age: 0,
             frames: 64,
         }
@@ -56,7 +59,8 @@ impl Case {
     fn lights(&self) -> Option<Vec<VirtualLight>> {
         let count = |of: usize| of as u32;
         let history = |lights: &[VirtualLight]| {
-            let bytes = virtual_lights::to_bytes(lights);
+            let mut bytes = virtual_lights::to_bytes(lights);
+            bytes[..4].copy_from_slice(&self.past_count.to_ne_bytes());
             vec![("", buffer(bytes.len() as u64), bytes)]
         };
         let photons = virtual_lights::to_bytes(&self.photons);
@@ -205,4 +209,40 @@ fn extremes_stay_finite() {
     none.heirs.fill(NONE);
     let Some(found) = none.run() else { return };
     assert_eq!(found[..2], [[0.0; 3]; 2]);
+}
+
+/// What stands behind the lights of the frame before was none of them.
+#[test]
+fn lights_that_do_not_count_hand_nothing_on() {
+    let mut case = Case::new(3, vec![light([1.0; 3])], vec![0]);
+    case.past = vec![light([4.0; 3]); 3];
+    (case.past_count, case.age, case.heirs) = (2, 9, vec![0, 1, 1]);
+    let Some(found) = case.run() else { return };
+    let expected = [4.0 * 0.9 + 0.1, 4.0 * 0.9, 0.0];
+    for (found, expected) in found.iter().zip(expected) {
+        assert!((found[0] - expected).abs() < 1e-5, "{found:?}, not {expected}");
+    }
+}
+
+/// However many photons share what a light had, and whatever their fluxes: all of it goes on.
+#[test]
+fn what_is_handed_on_adds_up() {
+    let photons: Vec<VirtualLight> = (0..600)
+        .map(|i| {
+            [0, 1, 2].map(|c| 0.1 + pass_test::random::unit_float(pass_test::random::hash2(i, c)) as f32)
+        })
+        .map(light)
+        .collect();
+    let mut case = Case::new(5, photons, (0..600).map(|i| i % 5).collect());
+    case.owners_before = (0..600).map(|i| i % 7 % 2).collect();
+    case.past = [[3.0, 0.7, 10.1], [0.9, 5.3, 1.7], [0.0; 3], [0.0; 3], [0.0; 3]].map(light).to_vec();
+    (case.age, case.frames) = (3, 65536);
+    let Some(found) = case.run() else { return };
+    for channel in 0..3 {
+        let of =
+            |lights: &[VirtualLight]| lights.iter().map(|light| f64::from(light.flux[channel])).sum::<f64>();
+        let expected = 0.75 * of(&case.past) + 0.25 * of(&case.photons);
+        let ratio = sum(&found, channel) / expected;
+        assert!((ratio - 1.0).abs() < 1e-5, "channel {channel}: {ratio}");
+    }
 }

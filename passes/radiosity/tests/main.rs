@@ -137,17 +137,35 @@ fn a_point_below_a_lamp_has_its_view_factor() {
     }
 }
 
-/// A wall sees the floor that a lamp lights: paths sample the lamp where they meet the floor.
-#[test]
-fn the_second_bounce_of_a_lamp_is_that_of_what_it_lights() {
-    let half = 0.025_f32;
+/// Half the side of the lamp of [`wall_by_lit_floor`] \[m\].
+const HALF_LAMP: f32 = 0.025;
+
+/// A wall beside a floor that a small lamp lights, 0.4 m above its middle.
+fn wall_by_lit_floor(albedo_of_floor: f64) -> Scene {
+    let half = HALF_LAMP;
     let quads = [
-        rooms::quad([0.0, 0.0, -0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], 0),
+        rooms::quad([0.0, 0.0, -0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], 2),
         rooms::quad([0.0, 0.0, -0.5], [0.0, 0.4, 0.0], [0.0, 0.0, 1.0], 0),
         rooms::quad([0.5 - half, 0.4, -half], [2.0 * half, 0.0, 0.0], [0.0, 0.0, 2.0 * half], 1),
     ];
-    let materials = vec![rooms::matte([0.6; 3], [0.0; 3]), rooms::matte([0.0; 3], [1.0; 3])];
-    let scene = rooms::room(&quads, materials);
+    let (wall, lamp) = (rooms::matte([0.6; 3], [0.0; 3]), rooms::matte([0.0; 3], [1.0; 3]));
+    rooms::room(&quads, vec![wall, lamp, rooms::matte([albedo_of_floor; 3], [0.0; 3])])
+}
+
+#[test]
+fn black_surfaces_reflect_no_lamp() {
+    let scene = wall_by_lit_floor(0.0);
+    let points = [point_on(&scene, 2, Vec2::new(0.0, 0.5), Vec3::X, 3)];
+    let radiosities = |bounces: u32| run(harness(&scene, &points).set("bounces", bounces).set("paths", 64));
+    let (Some(one), Some(two)) = (radiosities(1), radiosities(2)) else { return };
+    assert!(one[0].radiosity[0] > 0.0, "the wall sees the lamp");
+    assert_eq!(one[0].radiosity, two[0].radiosity);
+}
+
+/// A wall sees the floor that a lamp lights: paths sample the lamp where they meet the floor.
+#[test]
+fn the_second_bounce_of_a_lamp_is_that_of_what_it_lights() {
+    let scene = wall_by_lit_floor(0.6);
     // The middle of the wall's diagonal, of its first triangle.
     let points: Vec<_> =
         (1..200).map(|seed| point_on(&scene, 2, Vec2::new(0.0, 0.5), Vec3::X, seed)).collect();
@@ -157,7 +175,7 @@ fn the_second_bounce_of_a_lamp_is_that_of_what_it_lights() {
     let (Some(one), Some(two)) = (radiosities(1), radiosities(2)) else { return };
     let of_bounce = one.iter().zip(&two).map(|(one, two)| two.radiosity[0] - one.radiosity[0]);
     let (mean, error) = pass_test::statistics::spread(of_bounce);
-    let (steps, at, half) = (200, f64::from(at), f64::from(half));
+    let (steps, at, half) = (200, f64::from(at), f64::from(HALF_LAMP));
     let step = 1.0 / f64::from(steps);
     let mut irradiance = 0.0;
     for i in 0..steps {

@@ -1,6 +1,7 @@
 //! Lights of the next bounce against closed forms.
 
-use glam::{DVec3, Vec3, dvec3};
+use glam::{DVec3, Vec3, dvec3, uvec2};
+use gpu_algorithms::reference::paraboloid::{direction_from_paraboloid, frame_from_normal, texel_centre};
 use interfaces::virtual_lights::VirtualLight;
 use pass_test::random::{radical_inverse, unit_float};
 use pass_test::rooms::{floor_and_lamp, furnace, half_plane, matte, quad, room, view_factor};
@@ -294,4 +295,29 @@ fn holes_are_filled_where_there_are_points_on_all_sides() {
     let (Some(open), Some(filled)) = (kept(0), kept(16)) else { return };
     assert!(open < 0.95, "{open} of the flux, with holes");
     assert!((filled - 1.0).abs() < 0.02, "{filled} of the flux");
+}
+
+/// A light says which texel of all maps saw it: the ray through it, from the light of its map, meets the light.
+#[test]
+fn lights_know_the_texels_that_saw_them() {
+    let scene = furnace([0.0; 3], [0.5; 3]);
+    let lights = [
+        light(dvec3(0.3, -1.0, 0.2), DVec3::Y, [1.0; 3]),
+        light(dvec3(-0.4, 0.5, 1.0), DVec3::NEG_Z, [1.0; 3]),
+        light(dvec3(1.0, 0.2, -0.6), DVec3::NEG_X, [1.0; 3]),
+    ];
+    let tile = 32;
+    let harness = splatted(&scene, &lights).set("map", tile).set("count", 256u32);
+    let Some(outputs) = harness.run() else { return };
+    let mut maps = [0; 3];
+    for seen in outputs.lights("reflected") {
+        let (map, texel) = (seen.texel / (tile * tile), seen.texel % (tile * tile));
+        let from = Vec3::from(lights[map as usize].position).as_dvec3();
+        let frame = frame_from_normal(Vec3::from(lights[map as usize].normal).as_dvec3());
+        let ray = frame * direction_from_paraboloid(texel_centre(uvec2(texel % tile, texel / tile), tile));
+        let way = Vec3::from(seen.position).as_dvec3() - from;
+        assert!(way.normalize().abs_diff_eq(ray, 1e-3), "{way} of map {map} along {ray}");
+        maps[map as usize] += 1;
+    }
+    assert!(maps.iter().all(|count| *count > 20), "{maps:?}");
 }

@@ -112,9 +112,11 @@ fn where_there_are_too_few_all_are_chosen() {
         all
     };
     for method in ["systematic", "race"] {
-        for (of, there, count) in [(64, 8, 16), (64, 16, 16), (4096, 32, 2048), (64, 0, 16), (1, 1, 100)] {
+        for (of, there, count) in
+            [(64, 8, 16), (64, 16, 16), (4096, 32, 2048), (2048, 2048, 2048), (64, 0, 16), (1, 1, 100)]
+        {
             let all = some(of, there);
-            let density: Vec<f32> = (0..of).map(|i| 10f64.powf(30.0 * random(i, 2) - 15.0) as f32).collect();
+            let density: Vec<f32> = (0..of).map(|i| 10f64.powf(75.0 * random(i, 2) - 37.0) as f32).collect();
             for harness in [harness(method, 0, &all), harness(method, 0, &all).density(&density)] {
                 let Some(chosen) = run(harness.set("count", count), &all) else { return };
                 let mut found = chosen.indices;
@@ -387,4 +389,41 @@ fn other_methods_tell_no_density() {
         };
         assert!(outputs.read::<f32>("resampled_density").iter().all(|told| *told == 0.0));
     }
+}
+
+/// The arrivals of a race, -log(1 - x) over the weight with one random number x for each point, and who is first.
+#[test]
+fn a_race_takes_those_that_arrive_first() {
+    let all = points(1000);
+    let weights: Vec<f32> = (0..1000).map(|i| (0.05 + random(i, 6)) as f32).collect();
+    for (iteration, count) in [(3, 1), (4, 100), (5, 999)] {
+        let arrival = |i: &u32| {
+            let x = f64::from(hash2(hash2(0, iteration), *i)) / 2f64.powi(32);
+            -(-x).ln_1p() / f64::from(weights[*i as usize])
+        };
+        let mut expected: Vec<u32> = (0..1000).collect();
+        expected.sort_by(|a, b| arrival(a).total_cmp(&arrival(b)));
+        expected.truncate(count as usize);
+        expected.sort_unstable();
+        let Some(chosen) =
+            run(harness("race", iteration, &all).radiosity(&weights).set("count", count), &all)
+        else {
+            return;
+        };
+        let mut found = chosen.indices;
+        found.sort_unstable();
+        assert_eq!(found, expected, "the first {count}");
+    }
+}
+
+/// A random number that single precision rounds to 1 stands for an arrival that is late, but not infinitely late.
+#[test]
+fn the_greatest_random_number_arrives_too() {
+    let (iteration, late) = (568_371, 12);
+    assert!(hash2(hash2(0, iteration), late) > 0xffff_ff80, "it rounds to 1");
+    let mut weights = vec![1.0; 16];
+    weights[late as usize] = 1e30;
+    let harness = harness("race", iteration, &points(16)).radiosity(&weights).set("count", 1u32);
+    let Some(chosen) = run(harness, &points(16)) else { return };
+    assert_eq!(chosen.indices, [late]);
 }

@@ -240,8 +240,12 @@ fn on_the_floor(texel: usize) -> DVec3 {
     DVec3::Y + frame_from_normal(DVec3::NEG_Y) * direction / direction.z
 }
 
-/// Splats points of the scene `plane`, (x, z) and the triangle that each says, into a map of 32²; the distances.
+/// Splats points of the scene `plane`, (x, z) and the triangle that each says, into a map of 32² of a light above it; the distances.
 fn surfels(scene: scene::Scene, points: &[([f32; 2], u32)]) -> Option<Vec<f64>> {
+    surfels_of(&light_at(DVec3::Y, DVec3::NEG_Y), scene, points)
+}
+
+fn surfels_of(light: &VirtualLight, scene: scene::Scene, points: &[([f32; 2], u32)]) -> Option<Vec<f64>> {
     let stored: Vec<[u32; 8]> = points
         .iter()
         .map(|([x, z], triangle)| [x.to_bits(), 0, z.to_bits(), *triangle, 0, 1f32.to_bits(), 0, 0])
@@ -253,9 +257,31 @@ fn surfels(scene: scene::Scene, points: &[([f32; 2], u32)]) -> Option<Vec<f64>> 
         .set("points_per_map", points.len() as u32)
         .input("points", "Points", &[("count", points.len() as u32)], elements(&stored))
         .module(STORED)
-        .lights(&[light_at(DVec3::Y, DVec3::NEG_Y)])
+        .lights(&[*light])
         .run()?;
     Some(outputs.read::<u32>("depth").into_iter().map(|bits| f64::from(f32::from_bits(bits))).collect())
+}
+
+/// The same disc in the map of a light infinitely far, whose rays are parallel.
+#[test]
+fn surfels_of_parallel_rays_are_whole() {
+    let scene = pass_test::scene("plane");
+    // The map is as wide as the sphere around the scene, and it lies beside that sphere.
+    let reach = 0.505 * f64::from(scene.extent());
+    let sun = VirtualLight { kind: 1, ..light_at(reach * DVec3::Y, DVec3::NEG_Y) };
+    let Some(depth) = surfels_of(&sun, scene, &[([0.3, 0.1], 0)]) else { return };
+    let mut met = 0;
+    for (i, depth) in (0..).zip(depth) {
+        let at = reach * texel_centre(uvec2(i % 32, i / 32), 32);
+        let off = (frame_from_normal(DVec3::NEG_Y) * at.extend(0.0)).distance(dvec3(0.3, 0.0, 0.1));
+        if off < 0.99 {
+            assert!((depth - reach).abs() < 1e-5, "texel {i}, {off} m off: {depth} for {reach}");
+            met += 1;
+        } else if off > 1.01 {
+            assert!(depth.is_infinite(), "texel {i}, {off} m off, has {depth}");
+        }
+    }
+    assert!(met > 300, "{met} texels see the disc");
 }
 
 #[test]
@@ -426,4 +452,30 @@ fn the_bias_of_lookups_is_that_of_the_kernel() {
     };
     near(facts("surfel"), [0.15, 0.0]);
     near(facts("box"), [0.1, 1.0]);
+}
+
+/// Maps take turns in blocks, and a splat chooses among points of its own map: in every map there are as many.
+#[test]
+fn each_map_of_a_block_chooses_among_its_own_points() {
+    let mut points = ten_points();
+    points[0] = u32::MAX;
+    let maps = 40;
+    let outputs = Harness::new(splat::PASS)
+        .scene("plane")
+        .set("map", 16)
+        .set("kernel", "box")
+        .set("max_splat", 1.0)
+        .set("candidates", 4)
+        .set("points_per_map", 60)
+        .input("points", "Points", &[("count", u32::MAX), ("block", 32)], elements(&points))
+        .module("shaders/points-on-the-fly.wgsl")
+        .lights(&vec![light_at(DVec3::Y, DVec3::NEG_Y); maps])
+        .run();
+    let Some(outputs) = outputs else { return };
+    let depth = outputs.read::<u32>("depth");
+    let covered = |map: &[u32]| map.iter().filter(|bits| **bits != f32::INFINITY.to_bits()).count();
+    let covered: Vec<usize> = depth.chunks(16 * 16).map(covered).collect();
+    let (least, most) = (covered.iter().min(), covered.iter().max());
+    assert_eq!(covered.len(), maps);
+    assert!(least > Some(&25) && most <= Some(&60), "texels covered in each map: {covered:?}");
 }

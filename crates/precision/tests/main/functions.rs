@@ -276,3 +276,32 @@ fn elements_of_a_sequence_stay_below_one_when_rounded() {
         assert!((0.999_99..1.0).contains(&found), "{found} of {index} in base {base}");
     }
 }
+
+/// A receiver that a disc touches sees nothing else before it: the share of the half space above it that is on the side of the
+/// disc, by the cosine. Rounding takes the disc's vector beyond what a half space can give.
+#[test]
+fn a_disc_that_touches_a_receiver_is_a_half_space() {
+    let shader = library()
+        .load(&Request::new("shaders/disc-irradiance.wgsl"))
+        .unwrap_or_else(|error| panic!("{error}"));
+    let mut interpreter = Interpreter::<f32>::new(&shader, &[]).unwrap_or_else(|fault| panic!("{fault}"));
+    for radius2 in [1.0, 0.3, 7.0f64] {
+        for off in [-0.95, -0.9, -0.8, -0.7, -0.6] {
+            for height in [1e-5, 1e-6, 1e-7, 1e-9] {
+                for tilt in [0.5, 1.0, 1.4f64] {
+                    let arguments = vec![
+                        Value::floats([off * radius2.sqrt(), 0.0, height]),
+                        Value::floats([0.0, 0.0, 1.0]),
+                        Value::floats([tilt.sin(), 0.0, -tilt.cos()]),
+                        Value::float(radius2),
+                    ];
+                    let found = interpreter.call("disc_irradiance", arguments);
+                    let found = found.unwrap_or_else(|fault| panic!("{fault}")).to_f64s()[0];
+                    let expected = 0.5 * (1.0 + tilt.cos()) / (std::f64::consts::PI * radius2);
+                    let wrong = (found / expected - 1.0).abs() > 1e-2;
+                    assert!(!wrong, "{found} for {expected}, {off} off, {height} m away, tilted by {tilt}");
+                }
+            }
+        }
+    }
+}

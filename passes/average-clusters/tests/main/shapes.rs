@@ -146,3 +146,14 @@ fn no_flux_is_lost_or_found() {
         }
     }
 }
+
+/// Of texels that are as near to the middle, the first is that of the centre: the same on every adapter.
+#[test]
+fn the_first_of_the_nearest_texels_is_the_centre() {
+    for size in [(2, 1), (1, 2), (2, 2), (6, 4), (40, 40)] {
+        let world = World::new(size, floor, |_, _| 0);
+        let Some((_, found)) = world.run() else { return };
+        let (x, y) = ((size.0 - 1) / 2, (size.1 - 1) / 2);
+        assert_eq!(found[0].texel, y * size.0 + x, "{size:?}");
+    }
+}

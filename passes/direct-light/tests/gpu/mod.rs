@@ -2,7 +2,7 @@
 //! program: tests/direct.rs.
 
 use super::cpu_reference::{Map, ggx};
-use glam::{DVec2, DVec3, Vec3, dvec3, uvec2, vec3};
+use glam::{DMat3, DVec2, DVec3, Vec3, dvec3, uvec2, vec3};
 use pass::{Format, ResourceDesc};
 use pass_test::{Harness, halves, member};
 use scene::{Light, LightKind, Scene};
@@ -181,5 +181,88 @@ fn the_glossy_part_is_that_of_the_cpu_reference() {
         let found = f64::from(glossy[0] - matte[0]);
         // Half floats hold f0 and roughness to 5e-4; the peak goes with the fourth power of the roughness.
         assert!((found / expected - 1.0).abs() < 1e-2, "at {at}: {found} for {expected}");
+    }
+}
+
+/// The layer of a sun, as small as the box around the scene allows.
+struct Sun {
+    /// Right, up and towards the sun.
+    axes: DMat3,
+    /// The middle of the side that is nearest to the sun.
+    origin: DVec3,
+    half_extent: DVec2,
+}
+
+impl Sun {
+    fn of(scene: &Scene) -> Sun {
+        let direction = scene.lights[0].direction;
+        let right = direction.any_orthonormal_vector();
+        let axes =
+            DMat3::from_cols(right.as_dvec3(), right.cross(direction).as_dvec3(), -direction.as_dvec3());
+        let bounds = [scene.bounds().0, scene.bounds().1];
+        let corners =
+            (0..8).map(|i| vec3(bounds[i & 1].x, bounds[i >> 1 & 1].y, bounds[i >> 2].z).as_dvec3());
+        let (low, high) = corners
+            .map(|corner| axes.transpose() * corner)
+            .fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
+        let margin = (high - low).max_element() * 1e-3;
+        let middle = 0.5 * (low + high);
+        Sun {
+            axes,
+            origin: axes * middle.truncate().extend(high.z + margin),
+            half_extent: 0.5 * (high - low).truncate() + margin,
+        }
+    }
+}
+
+/// Where the sun is nearly in the plane of the floor, whose slope is bounded; where the map's texels are not square, so that the
+/// longer side counts for the bias; and at the map's edge, whose texels count for what lies beyond.
+#[test]
+fn shadows_of_a_sun_are_those_of_the_cpu_reference() {
+    let down = vec3(0.0, -1.0, 0.0);
+    let flat = vec3(1.0, -0.02, 0.3).normalize();
+    // A second square makes the box around the scene longer, or higher.
+    for (direction, second) in
+        [(down, [0.0; 3]), (down, [2.0, 0.0, 0.0]), (down, [0.0, 0.0, 2.0]), (flat, [0.0, 2.0, 0.0])]
+    {
+        let ([x, y, z], [dx, dy, dz]) = (second, direction.to_array());
+        let mut scene = pass_test::scene_from(&format!(
+            "Scene(
+                geometry: Objects([
+                    Object(name: \"floor\", geometry: BuiltIn(\"plane\")),
+                    Object(name: \"second\", geometry: BuiltIn(\"plane\"), transform: Transform(translate: ({x:?}, {y:?}, {z:?}))),
+                ]),
+                lights: [Directional(name: \"sun\", direction: ({dx:?}, {dy:?}, {dz:?}), irradiance: (1.0, 1.0, 1.0))],
+            )"
+        ));
+        scene.camera = pass_test::scene("plane").camera;
+        let sun = Sun::of(&scene);
+        let receiver = |at: DVec3| sun.axes.transpose() * (at - sun.origin);
+        let normal = sun.axes.transpose() * DVec3::Y;
+        let mut map =
+            Map { size: MAP, half_extent: sun.half_extent, perspective: false, distances: Vec::new() };
+        // In front of the floor by most of its bias; at one distance, where it is steep; and at the edge hidden.
+        let gap = 0.75 * 0.25 * 2.0 * sun.half_extent.max_element() / f64::from(MAP);
+        let middle = -receiver(DVec3::ZERO).z;
+        map.distances = (0..MAP * MAP)
+            .map(|i| {
+                let (x, y) = (i % MAP, i / MAP);
+                let edge = [x, y].iter().any(|at| *at == 0 || *at == MAP - 1);
+                if edge { -10.0 } else { middle - gap }
+            })
+            .collect();
+        let Some(direct) = light(&scene, |i| map.distances[i as usize] as f32, None) else { return };
+        let (mut all, mut between, mut wrong) = (0, 0, 0);
+        for (i, found) in (0..).zip(&direct) {
+            let Some((_, at)) = floor(&scene, i) else { continue };
+            let share = map.visibility(receiver(at), normal, 5, 0.25);
+            let expected = 0.5 / PI * share * f64::from(-direction.y);
+            all += 1;
+            between += u32::from(share > 0.0 && share < 1.0);
+            wrong += u32::from((f64::from(found[0]) - expected).abs() > 2e-3 * expected);
+        }
+        assert!(between > 50, "{between} of {all} pixels are lit in part");
+        // A tap may fall to the next texel by rounding.
+        assert!(wrong <= all / 100, "{direction}, {second:?}: {wrong} of {all} pixels differ");
     }
 }

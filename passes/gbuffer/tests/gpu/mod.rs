@@ -306,3 +306,31 @@ fn a_texture_of_metal_scales_the_material() {
         assert!((specular[3].to_f32() - 0.75 * 204.0 / 255.0).abs() < 1e-3, "{specular:?}");
     }
 }
+
+/// Stripes that are finer than pixels have their mean in every pixel, also where the footprint is narrow across them.
+#[test]
+fn fine_stripes_are_filtered_along_either_axis() {
+    for across in [false, true] {
+        let (mut scene, _) = pass_test::rooms::bent_plane(0.0);
+        let along = |i: u32| if across { i % 256 } else { i / 256 };
+        // The middles of pixels lie in the middles of black stripes.
+        let stripe = |i| if (along(i) + 2) % 8 < 4 { [255; 4] } else { [0, 0, 0, 255] };
+        let texture = &mut scene.textures[0];
+        (texture.width, texture.height) = (256, 256);
+        (texture.pixels, texture.encoding) =
+            ((0..256 * 256).flat_map(stripe).collect(), scene::Encoding::Srgb);
+        for vertex in &mut scene.vertices {
+            vertex.uv[usize::from(across)] = 0.5;
+        }
+        let material = &mut scene.materials[0];
+        (material.normal_texture, material.base_color_texture) = (None, Some(0));
+        let mean = 0.5 * material.base_color.x;
+        // A pixel sees eight rows of the 256 on 2 m.
+        scene.camera = pass_test::rooms::camera_at([0.0, 2.0, 0.0], [0.0; 3], 2.0 * 0.25f32.atan());
+        let Some(outputs) = Harness::new(gbuffer::PASS).with_scene(scene).frame(16, 16).run() else { return };
+        for (i, albedo) in outputs.read::<[f16; 4]>("view.albedo").into_iter().enumerate() {
+            let found = albedo[0].to_f32();
+            assert!((found - mean).abs() < 0.1 * mean, "pixel {i}, across {across}: {found} for {mean}");
+        }
+    }
+}

@@ -207,6 +207,7 @@ fn no_triangles_and_none_with_an_area() {
     for rule in ["area", "tessellation"] {
         let Some(outputs) = Harness::new(PASS).scene("empty").set("rule", rule).run() else { return };
         assert_eq!(outputs.read::<u32>("points")[4], 0, "an empty interval");
+        assert_eq!(*outputs.fact("points", "count"), pass::Value::U32(0));
         let scene = soup(&[[1.0; 3]; 6]);
         let Some(found) = amplify(&scene, 0.0, rule) else { return };
         let Some(samples) = found.samples(&scene, 0.0, 2, 10) else { return };
@@ -222,4 +223,18 @@ fn a_triangle_that_is_not_divided_has_three_points() {
     let Some(outputs) = harness.set("min_factor", 1u32).set("max_factor", 1u32).run() else { return };
     let found = Amplification::read(&outputs, scene.triangles());
     assert_eq!(found.requested, 3 * scene.triangles() as u32);
+}
+
+/// The third edge, across from the first corner, is the longest of all.
+#[test]
+fn levels_rise_with_every_edge() {
+    let right = |side: f32| [[0.0; 3], [side, 0.0, 0.0], [0.0, side, 0.0]];
+    compare(&soup(&[right(1.0), right(4.0), right(10.0)].concat()), 0.0, "tessellation");
+}
+
+/// Consumers take as many points as they want, where there are triangles.
+#[test]
+fn there_are_as_many_points_as_are_wanted() {
+    let Some(outputs) = Harness::new(PASS).scene("plane").run() else { return };
+    assert_eq!(*outputs.fact("points", "count"), pass::Value::U32(ANY_NUMBER));
 }
