@@ -5,6 +5,7 @@ pub mod cargo;
 pub mod demo;
 pub mod docs;
 pub mod gpu;
+pub mod mutate_shaders;
 pub mod new_pass;
 pub mod optional;
 pub mod packages;

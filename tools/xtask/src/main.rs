@@ -3,8 +3,9 @@
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
+use xtask::mutate_shaders::Options;
 use xtask::packages::Consent;
-use xtask::{bless, demo, docs, new_pass, test, tidy, tree};
+use xtask::{bless, demo, docs, mutate_shaders, new_pass, test, tidy, tree};
 
 /// Chores of the tree.
 #[derive(Parser)]
@@ -42,6 +43,24 @@ enum Command {
     Tidy,
     /// Write the tables of documents from what passes, interfaces and pipelines declare
     Docs,
+    /// Make small changes of WGSL, one at a time, and list those that no test notices
+    MutateShaders {
+        /// Only files whose path contains this
+        #[arg(default_value = "")]
+        filter: String,
+        /// Draw other changes
+        #[arg(long, default_value_t = 0)]
+        seed: u64,
+        /// The number of changes
+        #[arg(long, default_value_t = 20)]
+        count: usize,
+        /// The most packages whose tests run for a file that passes share
+        #[arg(long, default_value_t = 5)]
+        packages: usize,
+        /// The most seconds that the tests of a package may take
+        #[arg(long, default_value_t = 300)]
+        limit: u64,
+    },
     /// Take the results of a package's tests as its snapshots and images
     Bless {
         /// Name of the package
@@ -69,6 +88,9 @@ fn run(command: Command) -> Result<()> {
         Command::NewPass { name } => new_pass::run(&root, &name),
         Command::Tidy => tidy::run(&root),
         Command::Docs => docs::run(&root),
+        Command::MutateShaders { filter, seed, count, packages, limit } => {
+            mutate_shaders::run(&root, &Options { filter, seed, count, packages, limit })
+        }
         Command::Bless { package, filter } => bless::run(&root, &package, filter.as_deref()),
     }
 }

@@ -13,7 +13,7 @@ use std::time::Instant;
 const THREADS_ON_CPU: &str = "2";
 
 /// The packages and features that are built: all packages, with a window on X11 and without what else a desktop offers, which no test uses.
-const BUILT: &[&str] =
+pub(crate) const BUILT: &[&str] =
     &["--locked", "--workspace", "--no-default-features", "--features", "lightloom/window"];
 
 /// Runs the slow tests too, which are marked by `#[ignore]`; the measurements that are marked likewise are no tests.

@@ -1,6 +1,7 @@
 //! Tests of the chores, on trees of a few files.
 
 mod features;
+mod mutate_shaders;
 mod new_pass;
 mod tidy;
 
