@@ -91,8 +91,13 @@ impl<'a> Linker<'a> {
             if !changed || last {
                 let causes: Vec<_> =
                     unknown.iter().filter_map(|(i, why)| self.cause(*i, why, ports)).collect();
+                // A pass that reads no history buffer only waits for one that does.
+                let reads_past =
+                    |i: usize| self.is_on(i) && self.wires_now(i).iter().any(|wire| wire.end.past);
                 if !causes.is_empty() {
                     unknown = causes;
+                } else if unknown.iter().any(|(i, _)| reads_past(*i)) {
+                    unknown.retain(|(i, _)| reads_past(*i));
                 }
                 for (i, why) in unknown {
                     self.note_unknown(i, why, true, order, ports);

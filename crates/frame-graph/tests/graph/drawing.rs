@@ -1,7 +1,7 @@
 //! The plan laid out for a window or a page.
 
 use super::whole::{BASE, SHADOWS, plan_of};
-use frame_graph::plan::{BoxKind, Drawing, DrawnEdge, PassId};
+use frame_graph::plan::{BoxKind, Drawing, DrawnBox, DrawnEdge, PassId};
 
 fn drawing() -> (frame_graph::Plan, Drawing) {
     let files = [("base.ron", BASE), ("parts/shadows.ron", SHADOWS)];
@@ -43,6 +43,18 @@ fn boxes_lie_within_the_drawing_and_apart() {
             assert!(apart, "{} and {}", drawing.boxes[i].name, drawing.boxes[j].name);
         }
     }
+}
+
+/// The outermost boxes are as far from the right edge as from the left one, and as far from the free strip below as from the top.
+#[test]
+fn the_drawing_is_as_large_as_its_boxes_and_a_margin() {
+    let (_, drawing) = drawing();
+    let least = |of: fn(&DrawnBox) -> f32| drawing.boxes.iter().map(of).fold(f32::INFINITY, f32::min);
+    let most = |of: fn(&DrawnBox) -> f32| drawing.boxes.iter().map(of).fold(0.0, f32::max);
+    let right = drawing.size.0 - most(|drawn| drawn.at.0 + drawn.size.0);
+    assert!((right - least(|drawn| drawn.at.0)).abs() < 1.0, "{right} on the right");
+    let below = drawing.size.1 - most(|drawn| drawn.at.1 + drawn.size.1);
+    assert!(below >= 60.0 + least(|drawn| drawn.at.1), "{below} below");
 }
 
 #[test]
