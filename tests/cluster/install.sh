@@ -11,5 +11,6 @@ if ! [ -x "$venv/bin/snakemake" ]; then
     "$venv/bin/pip" install --quiet snakemake snakemake-executor-plugin-slurm
 fi
 if ! command -v slurmctld >/dev/null; then
-    apt-get install --yes --no-install-recommends slurm-wlm munge
+    apt-get update --quiet
+    DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends slurm-wlm munge
 fi

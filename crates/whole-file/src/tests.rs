@@ -28,6 +28,34 @@ fn a_file_is_replaced_once_the_new_one_is_whole() {
     assert_eq!(names(folder.path()), ["a.txt"]);
 }
 
+/// Each new file is made in the folder of the old one, so that its name is given in one step.
+#[test]
+fn a_reader_finds_a_whole_file_at_any_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("row.json");
+    let rows = ["a", "b"].map(|letter| letter.repeat(100_000));
+    write(&path, &rows[0]).unwrap();
+    assert_eq!(Unfinished::of(&path).unwrap().beside().unwrap().parent(), Some(folder.path()));
+    let ended = AtomicBool::new(false);
+    let reads = std::thread::scope(|scope| {
+        let reader = scope.spawn(|| {
+            let mut reads = 0;
+            while !ended.load(Ordering::Relaxed) || reads < 100 {
+                let row = std::fs::read_to_string(&path).unwrap();
+                assert!(rows.contains(&row), "{} bytes, from {:?}", row.len(), row.get(..1));
+                reads += 1;
+            }
+            reads
+        });
+        let written: io::Result<()> = (0..200).try_for_each(|count| write(&path, &rows[count % 2]));
+        ended.store(true, Ordering::Relaxed);
+        written.unwrap();
+        reader.join().unwrap()
+    });
+    assert!(reads >= 100);
+    assert_eq!(names(folder.path()), ["row.json"]);
+}
+
 #[test]
 fn what_a_killed_program_left_is_removed_and_what_is_being_written_is_not() {
     let folder = tempfile::tempdir().unwrap();

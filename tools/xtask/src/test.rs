@@ -4,6 +4,7 @@ use crate::cargo::{built, cargo, run as run_command};
 use crate::packages::Consent;
 use crate::{gpu, optional};
 use anyhow::{Context, Result, bail};
+use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -16,8 +17,11 @@ const THREADS_ON_CPU: &str = "2";
 pub(crate) const BUILT: &[&str] =
     &["--locked", "--workspace", "--no-default-features", "--features", "lightloom/window"];
 
+/// Lets tests that pass say what they skipped, and what ran.
+const TELLING: &[&str] = &["--", "--show-output"];
+
 /// Runs the slow tests too, which are marked by `#[ignore]`; the measurements that are marked likewise are no tests.
-const ALL: &[&str] = &["--", "--include-ignored", "--skip", "measurement"];
+const ALL: &[&str] = &["--include-ignored", "--skip", "measurement"];
 
 /// Builds everything once, ensures that there are an adapter, a browser and an X server, and runs the tests; `all` of
 /// them, or those that are not marked as slow.
@@ -31,7 +35,8 @@ pub fn run(root: &Path, consent: Consent, all: bool) -> Result<()> {
     optional::ensure(consent);
 
     let mut command = cargo(root, "test");
-    command.args(BUILT).arg("--no-fail-fast").args(if all { ALL } else { &[] }).stdout(Stdio::piped());
+    command.args(BUILT).arg("--no-fail-fast").args(TELLING);
+    command.args(if all { ALL } else { &[] }).stdout(Stdio::piped());
     quieten_mesa(&mut command, std::env::var_os("XDG_RUNTIME_DIR").is_some());
     if gpu::on_cpu(&adapters) && std::env::var_os("RUST_TEST_THREADS").is_none() {
         command.env("RUST_TEST_THREADS", THREADS_ON_CPU);
@@ -40,8 +45,9 @@ pub fn run(root: &Path, consent: Consent, all: bool) -> Result<()> {
     let mut summary = Summary::default();
     for line in BufReader::new(child.stdout.take().context("the output of the tests")?).lines() {
         let line = line?;
-        println!("{line}");
-        summary.read(&line);
+        if summary.read(&line) {
+            println!("{line}");
+        }
     }
     let status = child.wait()?;
 
@@ -68,17 +74,29 @@ fn quieten_mesa(command: &mut Command, has_runtime_folder: bool) {
     }
 }
 
-/// Counts of tests, and the names of those that failed.
+/// Counts of tests, the names of those that failed, and what the others skipped or ran.
 #[derive(Debug, Default)]
 struct Summary {
     passed: u32,
     ignored: u32,
     failed: Vec<String>,
+    /// Lines such as `skipped: there is no Slurm`, with the number of tests that print them.
+    said: BTreeMap<String, u32>,
+    /// Whether the lines are of what tests that passed print.
+    of_passed: bool,
 }
 
 impl Summary {
-    /// One line of libtest's output.
-    fn read(&mut self, line: &str) {
+    /// Reads one line of libtest's output; returns whether it is printed: what tests that passed print is not.
+    fn read(&mut self, line: &str) -> bool {
+        if line == "successes:" {
+            self.of_passed = true;
+        } else if line == "failures:" || line.starts_with("test result: ") {
+            self.of_passed = false;
+        }
+        if self.of_passed && (line.starts_with("skipped: ") || line.starts_with("ran: ")) {
+            *self.said.entry(line.to_owned()).or_default() += 1;
+        }
         if let Some(counts) = line.strip_prefix("test result: ") {
             let count = |what: &str| {
                 let words: Vec<&str> = counts.split([' ', ';']).collect();
@@ -95,6 +113,7 @@ impl Summary {
         {
             self.failed.push(name.to_owned());
         }
+        !self.of_passed
     }
 }
 
@@ -102,6 +121,10 @@ impl std::fmt::Display for Summary {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         for name in &self.failed {
             writeln!(f, "failed: {name}")?;
+        }
+        for (line, tests) in &self.said {
+            let times = if *tests > 1 { format!(" ({tests} tests)") } else { String::new() };
+            writeln!(f, "{line}{times}")?;
         }
         write!(f, "{} passed, {} failed, {} ignored", self.passed, self.failed.len(), self.ignored)
     }
@@ -139,17 +162,40 @@ mod tests {
     #[test]
     fn the_summary_adds_up_over_binaries() {
         let mut summary = Summary::default();
-        let output = "running 3 tests
+        let output = "running 4 tests
 test a ... ok
 test b::c ... FAILED
 test d ... ignored
+test e ... ok
+
+successes:
+
+---- a stdout ----
+error: noise
+skipped: there is no Slurm
+
+---- e stdout ----
+skipped: there is no Slurm
+ran: Snakemake on this machine
+
+successes:
+    a
+    e
+
+failures:
+
+---- b::c stdout ----
+expected 1
 
 failures:
     b::c
 
-test result: FAILED. 1 passed; 1 failed; 1 ignored; 0 measured; 0 filtered out; finished in 0.00s
+test result: FAILED. 2 passed; 1 failed; 1 ignored; 0 measured; 0 filtered out; finished in 0.00s
 test result: ok. 12 passed; 0 failed; 0 ignored; 0 measured; 0 filtered out; finished in 1.20s";
-        output.lines().for_each(|line| summary.read(line));
-        assert_eq!(summary.to_string(), "failed: b::c\n13 passed, 1 failed, 1 ignored");
+        let printed: Vec<&str> = output.lines().filter(|line| summary.read(line)).collect();
+        let expected = "failed: b::c\nran: Snakemake on this machine\nskipped: there is no Slurm (2 tests)\n\
+                        14 passed, 1 failed, 1 ignored";
+        assert_eq!(summary.to_string(), expected);
+        assert!(printed.contains(&"expected 1") && !printed.contains(&"error: noise"), "{printed:?}");
     }
 }
