@@ -169,28 +169,36 @@ fn costs_of_a_run_cut_the_jobs() {
     assert!(text.contains("\"study\", \"small.ron\", \"--set\", \"map=32\", \"-o\", OUT"), "{text}");
 }
 
-/// The costs of a run give the time of the whole study on several GPUs.
+/// The costs of a run give the time of the whole study on several GPUs, also if it had less work.
 #[test]
 fn costs_of_a_run_give_the_time_on_several_gpus() {
     let Some(folder) = folder() else { return };
-    study(&folder, &["small.ron", "-o", "timing", "--timing"]).success();
-    for (part, seconds) in [("cells", 600.0), ("references", 1200.0)] {
-        for entry in fs::read_dir(folder.at("timing").join(part)).unwrap() {
-            let path = entry.unwrap().path();
-            if path.extension().is_some_and(|extension| extension == "json") {
-                let mut record: Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
-                record["seconds"] = json!(seconds);
-                fs::write(&path, record.to_string()).unwrap();
+    let timed = |out: &str, more: &[&str], (cell, reference): (f64, f64)| {
+        study(&folder, &[&["small.ron", "-o", out, "--timing"], more].concat()).success();
+        for (part, seconds) in [("cells", cell), ("references", reference)] {
+            for entry in fs::read_dir(folder.at(out).join(part)).unwrap() {
+                let path = entry.unwrap().path();
+                if path.extension().is_some_and(|extension| extension == "json") {
+                    let mut record: Value = serde_json::from_slice(&fs::read(&path).unwrap()).unwrap();
+                    record["seconds"] = json!(seconds);
+                    fs::write(&path, record.to_string()).unwrap();
+                }
             }
         }
-    }
-    let mut record: Value = serde_json::from_str(&folder.read("timing/study.json")).unwrap();
-    record["references"] = json!([]);
-    folder.write("timing/study.json", &record.to_string());
+        let name = format!("{out}/study.json");
+        let mut record: Value = serde_json::from_str(&folder.read(&name)).unwrap();
+        record["references"] = json!([]);
+        folder.write(&name, &record.to_string());
+        study(&folder, &["costs", out]).success()
+    };
     // 40 cells of ten minutes in 20 shards, after a reference of twenty minutes: 21, 4 and 2 times twenty minutes. With twice
-    // the cells, 41, 6 and 2 times.
-    let done = study(&folder, &["costs", "timing"]).success();
-    done.says(&["| small | 40 | 4 | 1 | 7 h | 80 min | 40 min | 0.97 | 0.58 | 0.00 |"]);
+    // the cells, 41, 6 and 2 times. Both ends of the axis, of two pipelines, were measured.
+    timed("timing", &[], (600.0, 1200.0))
+        .says(&["| small | 40 | 20 | 1 | 1 | 7 h | 80 min | 40 min | 0.97 | 0.58 | 0.00 |"]);
+    // The same by a run with a quarter of the pixels, and two of three frames (the first is not measured) or half the samples.
+    let less = ["--size", "8x8", "--frames", "1", "--set-reference", "samples=4"];
+    timed("less", &less, (100.0, 150.0))
+        .says(&["| small | 40 | 0 | 1 | 0 | 7 h | 80 min | 40 min | 0.97 | 0.58 | 0.00 |"]);
     study(&folder, &["costs", "nowhere"]).failure(1, &["there is no study here"]);
 }
 

@@ -2,7 +2,7 @@
 
 use crate::error::StudyError;
 use crate::folder::{read_json, read_study, row, rows};
-use crate::plan::Plan;
+use crate::plan::{Plan, PlannedCell, PlannedReference};
 use crate::record::{AxisValue, Cell, ReferenceRecord, Results};
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
@@ -21,14 +21,45 @@ type Like = (String, String, Option<String>);
 /// Seconds that cells and references took, by which those of others are estimated.
 #[derive(Clone, Debug, Default)]
 pub struct Costs {
-    /// Sum of the seconds and number of the cells.
-    cells: HashMap<Like, (f64, usize)>,
+    cells: HashMap<Like, Measured>,
     /// By scene and source.
-    references: HashMap<(String, String), f64>,
+    references: HashMap<(String, String), Measured>,
 }
 
-/// The scene, the pipeline and the values of a cell.
-pub(crate) type Kind<'a> = (&'a str, &'a str, &'a BTreeMap<String, AxisValue>);
+/// The sums of what runs took.
+#[derive(Clone, Copy, Debug, Default)]
+struct Measured {
+    seconds: f64,
+    /// Pixels × frames × samples; NaN if those of a run are unknown.
+    work: f64,
+    count: usize,
+}
+
+impl Measured {
+    fn add(&mut self, other: Measured) {
+        self.seconds += other.seconds;
+        self.work += other.work;
+        self.count += other.count;
+    }
+
+    fn one(seconds: f64, work: f64) -> Measured {
+        Measured { seconds, work: if work > 0.0 { work } else { f64::NAN }, count: 1 }
+    }
+
+    /// Returns how many times the mean work of these is in `work`; 1 if unknown.
+    fn times(&self, work: f64) -> f64 {
+        let times = work * self.count as f64 / self.work;
+        if times > 0.0 && times.is_finite() { times } else { 1.0 }
+    }
+
+    /// Returns the expected seconds of a run: in proportion to its work.
+    fn of(&self, work: f64) -> f64 {
+        self.seconds / self.count as f64 * self.times(work)
+    }
+}
+
+/// The scene, the pipeline, the values and the work of a cell.
+pub(crate) type Kind<'a> = (&'a str, &'a str, &'a BTreeMap<String, AxisValue>, f64);
 
 impl Costs {
     /// Reads the costs of the cells and references in the folder of a study. The records may be of an earlier version, or of
@@ -52,30 +83,48 @@ impl Costs {
 
     /// Adds what a cell took.
     pub(crate) fn add(&mut self, cell: &Cell) {
-        for like in alike((&cell.scene, &cell.pipeline, &cell.axes)) {
-            let known = self.cells.entry(like).or_default();
-            known.0 += cell.seconds;
-            known.1 += 1;
+        for like in alike((&cell.scene, &cell.pipeline, &cell.axes, cell.work)) {
+            self.cells.entry(like).or_default().add(Measured::one(cell.seconds, cell.work));
         }
     }
 
     fn add_reference(&mut self, reference: &ReferenceRecord) {
         if reference.seconds > 0.0 {
             let key = (reference.scene.clone(), reference.from.clone());
-            self.references.insert(key, reference.seconds);
+            self.references.insert(key, Measured::one(reference.seconds, reference.work));
         }
     }
 
     /// Returns the number of cells that are known.
     pub fn cell_count(&self) -> usize {
-        self.cells.get(&any()).map_or(0, |(_, count)| *count)
+        self.cells.get(&any()).map_or(0, |known| known.count)
     }
 
     /// Returns the expected seconds of a cell: the mean of those of the same scene, pipeline and values; or else of the same
-    /// scene and pipeline; of the same pipeline; of the same scene; of all. `None` if nothing is known.
+    /// scene and pipeline; of the same pipeline; of the same scene; of all. Those of another size, or with another number of
+    /// frames, count in proportion to pixels × frames. `None` if nothing is known.
     pub(crate) fn cell(&self, kind: Kind<'_>) -> Option<f64> {
         let known = alike(kind).into_iter().find_map(|like| self.cells.get(&like));
-        known.map(|(seconds, count)| seconds / *count as f64)
+        known.map(|known| known.of(kind.3))
+    }
+
+    /// Returns the number of cells of a plan of whose scene, pipeline and values a cell of the same work is known: the costs of
+    /// the others are estimates.
+    pub(crate) fn measured_cells(&self, plan: &Plan) -> usize {
+        let is_measured = |kind: Kind<'_>| {
+            let [closest, ..] = alike(kind);
+            self.cells.get(&closest).is_some_and(|known| known.times(kind.3) == 1.0)
+        };
+        plan.cells.iter().filter(|cell| is_measured(plan.kind(cell))).count()
+    }
+
+    /// Returns the number of references of a plan that are known.
+    pub(crate) fn measured_references(&self, plan: &Plan) -> usize {
+        let is_measured = |reference: &&PlannedReference| {
+            let known = self.references.get(&plan.source_of(reference));
+            known.is_some_and(|known| known.times(reference.origin.work()) == 1.0)
+        };
+        plan.references.iter().filter(is_measured).count()
     }
 
     /// Returns the expected seconds of each cell of a plan.
@@ -84,17 +133,20 @@ impl Costs {
         plan.cells.iter().map(seconds).collect()
     }
 
-    /// Returns the expected seconds of each reference of a plan: of the same one, or else of one of the same scene, or of all.
+    /// Returns the expected seconds of each reference of a plan: of the same one, or else of those of the same scene, or of
+    /// all, in proportion to pixels × frames × samples.
     pub fn of_references(&self, plan: &Plan) -> Vec<f64> {
-        let mean = |scene: Option<&str>| {
+        let sum = |scene: Option<&str>| {
             let of = self.references.iter().filter(|((own, _), _)| scene.is_none_or(|scene| own == scene));
-            let (sum, count) = of.fold((0.0, 0), |(sum, count), (_, seconds)| (sum + seconds, count + 1));
-            (count > 0).then(|| sum / f64::from(count))
+            let mut sum = Measured::default();
+            of.for_each(|(_, known)| sum.add(*known));
+            (sum.count > 0).then_some(sum)
         };
-        let seconds = |reference: &crate::plan::PlannedReference| {
-            let scene = &plan.scenes[reference.scene].record.name;
-            let own = self.references.get(&(scene.clone(), reference.from.clone())).copied();
-            own.or_else(|| mean(Some(scene))).or_else(|| mean(None)).unwrap_or(UNKNOWN_SECONDS)
+        let seconds = |reference: &PlannedReference| {
+            let source = plan.source_of(reference);
+            let own = self.references.get(&source).copied();
+            let known = own.or_else(|| sum(Some(&source.0))).or_else(|| sum(None));
+            known.map_or(UNKNOWN_SECONDS, |known| known.of(reference.origin.work()))
         };
         plan.references.iter().map(seconds).collect()
     }
@@ -111,7 +163,7 @@ fn any() -> Like {
 }
 
 /// Returns what a cell has in common with others, the closest first.
-fn alike((scene, pipeline, axes): Kind<'_>) -> [Like; 5] {
+fn alike((scene, pipeline, axes, _): Kind<'_>) -> [Like; 5] {
     let [scene, pipeline] = [scene, pipeline].map(str::to_owned);
     [
         (scene.clone(), pipeline.clone(), Some(format!("{axes:?}"))),
@@ -160,9 +212,14 @@ impl Plan {
         units
     }
 
-    pub(crate) fn kind<'a>(&'a self, cell: &'a crate::plan::PlannedCell) -> Kind<'a> {
+    pub(crate) fn kind<'a>(&'a self, cell: &'a PlannedCell) -> Kind<'a> {
         let scene = self.scenes[cell.scene].record.name.as_str();
-        (scene, &self.pipelines[cell.pipeline].name, &cell.axes)
+        (scene, &self.pipelines[cell.pipeline].name, &cell.axes, cell.request.work())
+    }
+
+    /// Returns the scene and the source of a reference.
+    fn source_of(&self, reference: &PlannedReference) -> (String, String) {
+        (self.scenes[reference.scene].record.name.clone(), reference.from.clone())
     }
 }
 
@@ -217,7 +274,7 @@ mod tests {
     fn cells_take_as_long_as_their_like_or_as_all() {
         let mut costs = Costs::default();
         let axes = |lights: f64| BTreeMap::from([("lights".to_owned(), AxisValue::Number(lights))]);
-        assert_eq!(costs.estimate([("box", "slow", &axes(1.0))].into_iter()), Duration::ZERO);
+        assert_eq!(costs.estimate([("box", "slow", &axes(1.0), 0.0)].into_iter()), Duration::ZERO);
         for (pipeline, lights, seconds) in
             [("slow", 1.0, 10.0), ("slow", 1.0, 14.0), ("slow", 9.0, 24.0), ("fast", 1.0, 4.0)]
         {
@@ -225,12 +282,27 @@ mod tests {
         }
         // The same values; then the mean of the same pipeline; of another scene too; and of another pipeline that of all.
         let (one, two) = (axes(1.0), axes(2.0));
-        assert_eq!(costs.cell(("box", "slow", &one)), Some(12.0));
-        assert_eq!(costs.cell(("box", "slow", &two)), Some(16.0));
-        assert_eq!(costs.cell(("hall", "slow", &two)), Some(16.0));
-        assert_eq!(costs.cell(("hall", "new", &two)), Some(13.0));
-        let left = costs.estimate([("box", "slow", &one), ("box", "fast", &two)].into_iter());
+        assert_eq!(costs.cell(("box", "slow", &one, 100.0)), Some(12.0));
+        assert_eq!(costs.cell(("box", "slow", &two, 100.0)), Some(16.0));
+        assert_eq!(costs.cell(("hall", "slow", &two, 100.0)), Some(16.0));
+        assert_eq!(costs.cell(("hall", "new", &two, 100.0)), Some(13.0));
+        let left = costs.estimate([("box", "slow", &one, 100.0), ("box", "fast", &two, 100.0)].into_iter());
         assert_eq!(left, Duration::from_secs(16));
+    }
+
+    #[test]
+    fn more_work_takes_longer() {
+        let mut costs = Costs::default();
+        costs.add(&Cell { work: 100.0, ..cell("slow", 1.0, 10.0) });
+        costs.add(&Cell { work: 300.0, ..cell("slow", 2.0, 20.0) });
+        let axes = |lights: f64| BTreeMap::from([("lights".to_owned(), AxisValue::Number(lights))]);
+        let of = |lights: f64, work: f64| costs.cell(("box", "slow", &axes(lights), work));
+        assert_eq!([of(1.0, 100.0), of(1.0, 400.0)], [Some(10.0), Some(40.0)]);
+        // The mean is 15 seconds for 200; that of an unknown amount of work stays.
+        assert_eq!([of(3.0, 200.0), of(3.0, 400.0), of(3.0, 0.0)], [Some(15.0), Some(30.0), Some(15.0)]);
+        // A record of an earlier version does not have its work.
+        costs.add(&cell("slow", 1.0, 30.0));
+        assert_eq!(costs.cell(("box", "slow", &axes(1.0), 400.0)), Some(20.0));
     }
 
     proptest! {

@@ -169,6 +169,19 @@ pub struct RunRequest {
     pub until_done: bool,
 }
 
+impl RunRequest {
+    /// Returns pixels × frames × samples: an upper bound of how much longer a run takes than one that has less of them.
+    pub(crate) fn work(&self) -> f64 {
+        let (width, height) = self.size;
+        let frames = if self.until_done { 1 } else { self.warm_up + self.frames };
+        let samples = self.set.iter().rev().find_map(|(path, value)| match value {
+            AxisValue::Number(samples) if path == "samples" => Some(*samples),
+            _ => None,
+        });
+        f64::from(width) * f64::from(height) * f64::from(frames) * samples.unwrap_or(1.0)
+    }
+}
+
 /// The progress of a pipeline with an output `progress`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {

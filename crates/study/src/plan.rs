@@ -96,6 +96,16 @@ pub(crate) enum Origin {
     Run(Vec<RunRequest>),
 }
 
+impl Origin {
+    /// Returns the pixels × frames × samples of its runs.
+    pub(crate) fn work(&self) -> f64 {
+        match self {
+            Origin::Picture(_) => 0.0,
+            Origin::Run(requests) => requests.iter().map(RunRequest::work).sum(),
+        }
+    }
+}
+
 /// The greatest number of cells of a study.
 const MOST_CELLS: usize = 100_000;
 

@@ -225,6 +225,9 @@ pub struct ReferenceRecord {
     pub image: Option<String>,
     /// Seconds that rendering took; 0 for a file.
     pub seconds: f64,
+    /// Pixels × frames × samples that took them; 0 if unknown.
+    #[serde(default)]
+    pub work: f64,
     /// Estimated relMSE of the reference itself; `None` if unknown.
     pub noise: Option<f64>,
     /// The reason why there is none; empty if there is one.
@@ -280,6 +283,9 @@ pub struct Cell {
     pub frames: u32,
     /// Seconds that the whole cell took.
     pub seconds: f64,
+    /// Pixels × frames × samples that took them; 0 if unknown.
+    #[serde(default)]
+    pub work: f64,
     /// The machine on which it ran.
     #[serde(default)]
     pub node: Node,

@@ -19,6 +19,8 @@ struct Kept {
     /// One picture for all frames, or one per frame; relative to the study's folder.
     images: Vec<String>,
     seconds: f64,
+    #[serde(default)]
+    work: f64,
     noise: Option<f64>,
     provenance: String,
 }
@@ -174,6 +176,7 @@ impl<'a> References<'a> {
             from: planned.from.clone(),
             images: Vec::new(),
             seconds: 0.0,
+            work: planned.origin.work(),
             noise: None,
             provenance: String::new(),
         };
@@ -225,6 +228,7 @@ impl<'a> References<'a> {
                     from: planned.from.clone(),
                     image: None,
                     seconds: 0.0,
+                    work: 0.0,
                     noise: None,
                     error: why.to_string(),
                     provenance: String::new(),
@@ -317,6 +321,7 @@ impl Kept {
             from: from.to_owned(),
             image: self.images.last().cloned(),
             seconds: self.seconds,
+            work: self.work,
             noise: self.noise,
             error: String::new(),
             provenance: self.provenance.clone(),

@@ -264,6 +264,7 @@ impl Session<'_> {
             seed: planned.request.seed,
             measures: plan.infos().map(|info| (info.key, None)).collect(),
             node: Node { host: host(), adapter: self.lab.adapter(), clock: now() },
+            work: planned.request.work(),
             version: VERSION.to_owned(),
             ..Cell::default()
         };

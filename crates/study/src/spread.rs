@@ -61,8 +61,9 @@ pub fn costs(studies: &[(Plan, Costs)]) -> Table {
     let mut columns = vec![
         Column::text("Study", ""),
         Column::number("Cells".to_owned(), "Of the whole study"),
-        Column::number("measured".to_owned(), "Cells whose cost was measured"),
+        Column::number("measured".to_owned(), "Those whose scene, pipeline and values were measured"),
         Column::number("References".to_owned(), ""),
+        Column::number("measured".to_owned(), "Those that were rendered"),
     ];
     columns.extend(GPUS.map(|gpus| Column::number(gpus_text(gpus), "Until the last shard has ended")));
     columns.extend(
@@ -71,7 +72,12 @@ pub fn costs(studies: &[(Plan, Costs)]) -> Table {
     let row = |(plan, costs): &(Plan, Costs)| {
         let work = Work::new(plan, costs);
         let mut row = vec![Entry::Text(plan.study.name.clone())];
-        let counts = [work.cells.len(), costs.cell_count(), work.references.len()];
+        let counts = [
+            work.cells.len(),
+            costs.measured_cells(plan),
+            work.references.len(),
+            costs.measured_references(plan),
+        ];
         row.extend(counts.map(|count| Entry::Text(count.to_string())));
         row.extend(GPUS.map(|gpus| Entry::Text(duration(work.seconds(gpus)))));
         row.extend(GPUS.map(|gpus| Entry::Text(format!("{:.2}", work.exponent(gpus)))));
@@ -79,7 +85,7 @@ pub fn costs(studies: &[(Plan, Costs)]) -> Table {
     };
     let caption = "Each GPU takes the next shard of 20 minutes as soon as it is free, references first; without the time in \
                    queues. A cell that was not measured takes as long as those of the same scene and pipeline, or of the \
-                   same pipeline. An exponent p is of time ∝ cellsᵖ, where the seeds are doubled.";
+                   same pipeline, scene or study; all in proportion to pixels × frames, and references to samples too. An exponent p is of time ∝ cellsᵖ, where the seeds are doubled.";
     Table {
         name: "costs".to_owned(),
         caption: caption.to_owned(),
