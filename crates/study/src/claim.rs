@@ -125,7 +125,7 @@ impl Results {
                 && lies_at(cell, &claim.at)
                 && lies_at(cell, &pick.at)
         });
-        cells.filter_map(|cell| Some((cell, cell.measures.get(&claim.measure.value).copied().flatten()?)))
+        cells.filter_map(|cell| Some((cell, cell.measure(&claim.measure.value)?)))
     }
 
     fn seeds(&self, claim: &Claim, pick: &Pick, about: (&[&str], Option<&str>)) -> Seeds {

@@ -2,12 +2,20 @@
 
 use crate::description::Phase;
 use crate::measure::Measure;
-use crate::record::{Better, MeasureInfo};
+use crate::record::{Better, Cell, MeasureInfo};
+
+/// Begins the keys of shares.
+pub(crate) const SHARE: &str = "gpu-share:";
 
 impl Phase {
     /// Returns the key of its measure: `gpu-ms:NAME`.
     pub fn key(&self) -> String {
         format!("{}:{}", Measure::GpuMs.key(), self.name.value)
+    }
+
+    /// Returns the key of its share in the GPU time of a frame, which claims may name: `gpu-share:NAME`.
+    pub fn share_key(&self) -> String {
+        format!("{SHARE}{}", self.name.value)
     }
 
     /// Returns whether a pass belongs to the phase.
@@ -30,6 +38,38 @@ impl Phase {
             ),
             is_error: false,
         }
+    }
+}
+
+impl Cell {
+    /// Returns its value of a measure or, of `gpu-share:NAME`, the share of a phase in the GPU time of a frame. `None` if it has
+    /// none.
+    pub fn measure(&self, key: &str) -> Option<f64> {
+        let value = |key: &str| self.measures.get(key).copied().flatten();
+        match key.strip_prefix(SHARE) {
+            Some(phase) => {
+                let whole = value(Measure::GpuMs.key()).filter(|ms| *ms > 0.0)?;
+                Some(value(&format!("{}:{phase}", Measure::GpuMs.key()))? / whole)
+            }
+            None => value(key),
+        }
+    }
+}
+
+/// Returns the description of a measure among these, or of the share of a phase among them.
+pub(crate) fn info_of(measures: &[MeasureInfo], key: &str) -> Option<MeasureInfo> {
+    let find = |key: &str| measures.iter().find(|info| info.key == key).cloned();
+    match key.strip_prefix(SHARE) {
+        Some(phase) => {
+            let time = find(&format!("{}:{phase}", Measure::GpuMs.key()))?;
+            Some(MeasureInfo {
+                key: key.to_owned(),
+                label: format!("share of {phase}"),
+                unit: String::new(),
+                ..time
+            })
+        }
+        None => find(key),
     }
 }
 

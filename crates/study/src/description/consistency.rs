@@ -165,8 +165,12 @@ fn errors(study: &Study) -> Vec<Diagnostic> {
 
 /// Checks that the study takes the measure of a claim, and that no axis is given two values.
 fn measured(study: &Study, claim: &Claim, errors: &mut Vec<Diagnostic>) {
-    let others: Vec<String> =
-        study.phases.iter().map(Phase::key).chain(study.figures.iter().map(StudyFigure::key)).collect();
+    let figures = study.figures.iter().map(StudyFigure::key);
+    let mut others: Vec<String> = study.phases.iter().map(Phase::key).chain(figures).collect();
+    // Shares are of the time of a frame.
+    if study.measures.iter().any(|at| at.value == Measure::GpuMs) {
+        others.extend(study.phases.iter().map(Phase::share_key));
+    }
     let taken = study.measures.iter().map(|at| at.value.key()).chain(others.iter().map(String::as_str));
     let taken: Vec<&str> = taken.collect();
     let name = &claim.measure;

@@ -6,14 +6,17 @@ use std::collections::BTreeMap;
 use report::number;
 
 use crate::claim::Seeds;
+use crate::phase::SHARE;
 use crate::{Axis, AxisValue, Cell, Interval, MeasureInfo, Outcome, Results};
 
 /// The measure that is a pipeline's GPU time; if a study does not have it, the sum of the passes is used.
 pub(super) const TIME: &str = "gpu-ms";
 
-/// Returns whether a measure is a GPU time, of a frame or of a phase: those of two adapters are not comparable.
+/// Returns whether a measure is a GPU time, of a frame or of a phase, or the share of a phase: those of two adapters are not
+/// comparable.
 pub(crate) fn is_time(key: &str) -> bool {
     key.strip_prefix(TIME).is_some_and(|rest| rest.is_empty() || rest.starts_with(':'))
+        || key.starts_with(SHARE)
 }
 
 /// Results in the order in which tables and charts show them.

@@ -24,7 +24,8 @@ const CLAIMS: &str = "
     Ratio(measure: \"gpu-ms\", of: \"fast\", to: \"slow\", at_most: 0.32, at: { \"lights\": 64, \"map\": 32 }),
     Ratio(measure: \"gpu-ms\", of: At(\"slow\", { \"lights\": 64 }), to: At(\"slow\", { \"lights\": 16 }), at_least: 2.3),
     Order(measure: \"gpu-ms\", rising: [\"fast\", \"nan\"]),
-    Ratio(measure: \"gpu-ms:rays\", of: \"fast\", to: \"slow\", at_most: 1)";
+    Ratio(measure: \"gpu-ms:rays\", of: \"fast\", to: \"slow\", at_most: 1),
+    Bound(measure: \"gpu-share:rays\", of: \"slow\", at_least: 0.6, at_most: 0.61)";
 
 fn means(finding: &Finding<'_>) -> Vec<Option<f64>> {
     finding.means.iter().map(|mean| mean.map(|mean| (mean.mean * 1e9).round() / 1e9)).collect()
@@ -37,7 +38,7 @@ fn claims_are_checked_on_means_over_cells() {
     let verdicts: Vec<Option<Verdict>> = findings.iter().map(|finding| finding.verdict).collect();
     let (yes, no) = (Some(Verdict::Holds), Some(Verdict::Fails));
     // An order is strict: both take 3 MiB.
-    assert_eq!(verdicts, [yes, no, no, yes, no, yes, yes, None, None]);
+    assert_eq!(verdicts, [yes, no, no, yes, no, yes, yes, None, None, yes]);
     assert_eq!(means(&findings[0]), [Some(2.4), Some(6.0)]);
     assert!((findings[3].ratio().unwrap() - 0.4).abs() < 1e-12);
     // `slow` has no maps, so that it is there at any size of them.
@@ -49,6 +50,8 @@ fn claims_are_checked_on_means_over_cells() {
         "cells that failed take no part, though `nan` was timed"
     );
     assert_eq!(means(&findings[8]), [None, Some(4.0)], "`fast` has no rays");
+    // 1.6 of 3.6 ms and 6.4 of 8.4.
+    assert_eq!(means(&findings[9]), [Some(0.603174603)]);
     assert_eq!(findings[0].claim.says, "TCAS Tab. 1");
 }
 
@@ -64,7 +67,7 @@ fn report_and_page_show_what_holds() {
     let lines: Vec<&str> = table.lines().collect();
     assert_eq!(
         lines[0],
-        "Claims: 4 of 9 hold, 2 are not measured. Each is about means over all finished cells of a scene; it is decided where the \
+        "Claims: 5 of 10 hold, 2 are not measured. Each is about means over all finished cells of a scene; it is decided where the \
          95 % interval of the difference, seed by seed, is on one side."
     );
     assert_eq!(lines[2], "| Claim | From | Scene | Measured | Result |");
@@ -83,6 +86,7 @@ fn report_and_page_show_what_holds() {
         "| GPU time: slow (lights = 64) ≥ 2.3 × slow (lights = 16) |  | box | 8.400 / 3.600 ms = 2.333 | holds |"
     );
     assert_eq!(lines[12], "| rays: fast ≤ slow |  | box | – / 4 ms | not measured |");
+    assert_eq!(lines[13], "| share of rays: 0.6 ≤ slow ≤ 0.61 |  | box | 0.6032 | holds |");
     let page = read("report.html");
     assert!(page.contains("<a href=\"#claims\">Claims</a>"));
     assert!(page.contains("<td class=failed><b>does not hold</b></td>"));
@@ -106,7 +110,7 @@ fn other_claims_run_nothing() {
     assert_eq!(begin(CLAIMS), "begin 20 12 0");
     let claims = Results::read(folder.path()).unwrap().study.claims;
     let (_, map) = claims[5].at.iter().find(|(axis, _)| axis.value == "map").unwrap();
-    assert_eq!((claims.len(), &map.value), (9, &AxisValue::Number(32.0)));
+    assert_eq!((claims.len(), &map.value), (10, &AxisValue::Number(32.0)));
 }
 
 /// A run with other values leaves claims about those of the file unmeasured.

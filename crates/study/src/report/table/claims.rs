@@ -2,6 +2,7 @@
 
 use crate::description::{Claim, Pick, Pins, Relation};
 use crate::interval::Interval;
+use crate::phase::info_of;
 use crate::report::digest::Digest;
 use crate::{Finding, MeasureInfo, Verdict};
 use report::{Column, Entry, Measured, Table, number};
@@ -20,7 +21,8 @@ pub(in crate::report) fn of_claims(digest: &Digest<'_>) -> Option<Table> {
         Column::text("Result", ""),
     ];
     let row = |finding: &Finding<'_>| {
-        let info = digest.results.study.measures.iter().find(|info| info.key == finding.claim.measure.value);
+        let info = info_of(&digest.results.study.measures, &finding.claim.measure.value);
+        let info = info.as_ref();
         vec![
             Entry::Text(claim_text(finding.claim, info)),
             Entry::Text(finding.claim.says.clone()),
