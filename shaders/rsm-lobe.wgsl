@@ -11,11 +11,6 @@ var rsm_specular: texture_2d_array<f32>;
 /// nothing diffusely.
 const LEAST_FLUX: f32 = 1e-30;
 
-/// What reflects nothing specularly.
-fn no_lobe() -> VirtualLobe {
-    return VirtualLobe(vec3(0.0, 0.0, 1.0), 1.0, vec3(0.0), 0u, vec3(0.0), 0u);
-}
-
 /// The lobe of the light of a texel that stands for `weight` texels like it.
 fn lobe_from_texel(layer: u32, x: u32, y: u32, weight: f32) -> VirtualLobe {
     let texel = vec3(x, y, layer);

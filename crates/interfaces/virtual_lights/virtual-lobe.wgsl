@@ -15,3 +15,8 @@ struct VirtualLobe {
     f0: vec3<f32>,
     pad1: u32,
 }
+
+/// What reflects nothing specularly.
+fn no_lobe() -> VirtualLobe {
+    return VirtualLobe(vec3(0.0, 0.0, 1.0), 1.0, vec3(0.0), 0u, vec3(0.0), 0u);
+}

@@ -1,9 +1,9 @@
 //! Tests of the pass.
 
 use glam::DVec3;
-use interfaces::virtual_lights::{self, VirtualLight};
+use interfaces::virtual_lights::{self, VirtualLight, VirtualLobe};
 use join_lights::PASS;
-use pass_test::{Harness, light_at};
+use pass_test::{Harness, light_at, member};
 
 pass_test::shaders_are_valid!(PASS);
 
@@ -57,4 +57,32 @@ fn sets_alternate_in_proportion() {
 fn what_is_beyond_the_count_of_a_set_is_left_out() {
     let Some(all) = joined(&numbered(0, 2), 6, &numbered(100, 2)) else { return };
     assert_eq!(all, [0, 100, 1, 101]);
+}
+
+/// Lobes stay with their lights; lights of a set without lobes reflect nothing specularly.
+#[test]
+fn lobes_stay_with_their_lights() {
+    let set = |lights: &[VirtualLight], has_lobes: bool| {
+        let content = virtual_lights::to_bytes(lights);
+        let mut members = vec![("", pass_test::buffer(content.len() as u64), content)];
+        let lobe = |light: &VirtualLight| VirtualLobe { flux: light.flux, ..VirtualLobe::default() };
+        let lobes: Vec<VirtualLobe> = lights.iter().map(lobe).collect();
+        let desc = pass_test::buffer(size_of_val(&*lobes) as u64);
+        members.extend(has_lobes.then(|| member("lobes", desc, &lobes)));
+        members
+    };
+    let (first, second) = (numbered(1, 5), numbered(100, 2));
+    for (of_first, of_second) in [(true, true), (true, false), (false, true)] {
+        let outputs = Harness::new(PASS)
+            .input("first", "VirtualLights", &[("count", 5)], set(&first, of_first))
+            .input("second", "VirtualLights", &[("count", 2)], set(&second, of_second))
+            .run();
+        let Some(outputs) = outputs else { return };
+        let (lights, lobes) = (outputs.lights("lights"), outputs.read::<VirtualLobe>("lights.lobes"));
+        assert_eq!((lights.len(), lobes.len()), (7, 7));
+        for (light, lobe) in std::iter::zip(&lights, &lobes) {
+            let has_lobe = if light.flux[0] < 100.0 { of_first } else { of_second };
+            assert_eq!(lobe.flux, if has_lobe { light.flux } else { [0.0; 3] });
+        }
+    }
 }
