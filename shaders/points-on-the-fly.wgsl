@@ -1,14 +1,14 @@
 // On-the-fly points, generated where they are read from the triangles as they are in this frame (TCAS §5.2): only each
 // triangle's share of the points is stored.
 //
-// Sample k of all n lies at (k + ½) / n of the cumulated shares, so samples follow the triangles in their order, as
-// those of a tessellator do, and each triangle has its share of n, rounded up or down. Of neighbouring samples each map
-// gets one: a stratified subset of the surface. Along the other side of the square, a map's samples follow van der
-// Corput's sequence, scrambled differently for each map: with the first coordinate, Hammersley's points.
+// Samples follow the cumulated shares, and so the triangles in their order, as those of a tessellator do; each triangle has its
+// share of them, rounded up or down. Along the other side of the square, a map's samples follow van der Corput's sequence,
+// scrambled differently for each map: with the first coordinate, Hammersley's points.
 
 #import "amplification.wgsl"
 #import "mask.wgsl"
 #import "random.wgsl"
+#import "samples-in-turn.wgsl"
 #import "scene.wgsl"
 #import "sobol.wgsl"
 #import "surface-sample.wgsl"
@@ -35,39 +35,24 @@ fn samples_requested() -> u32 {
 
 /// Sample `index` of those of all maps. Neighbours are near each other, and belong to different maps.
 fn surface_sample(wanted: SamplesWanted, index: u32) -> SurfaceSample {
-    // Blocks of maps follow one after the other; within a block the maps alternate.
-    let bits = wanted.block_bits;
-    let row = index >> bits;
-    let block = row / wanted.per_map;
-    let stratum = row - block * wanted.per_map;
-    let map = (block << bits) + (index & ((1u << bits) - 1u));
-    if map >= wanted.maps {
+    let place = place_of_sample(wanted, index, points.requested, points.step);
+    if !place.exists {
         return SurfaceSample();
     }
-
-    let place = stratum * wanted.maps + map;
-    let all = wanted.maps * wanted.per_map;
-    var step = vec2(wanted.step_whole, wanted.step_fraction);
-    if points.requested < all {
-        if place >= points.requested {
-            return SurfaceSample();
-        }
-        step = points.step;
-    }
-    let number = place * step.x + multiply_high(place, step.y) + step.x / 2u;
+    let number = place.number;
     // Between two entries of the guide table there are few triangles, mostly one or two.
     let guide = scene_info.triangles + 1u + (number >> (31u - points.guide_bits));
     let triangle = triangle_at(number, points.starts[guide], points.starts[guide + 1u]);
     let start = points.starts[triangle];
     let width = points.starts[triangle + 1u] - start;
-    let second = scramble(reverseBits(stratum), hash2(points_facts.seed, map));
+    let second = scramble(reverseBits(place.stratum), hash2(points_facts.seed, place.map));
     let at = triangle_from_square(vec2(min((f32(number - start) + 0.5) / f32(width), 1.0), unit_float(second)));
 
     let edges = triangle_of_scene(triangle);
     let shape = normal_and_area(edges.a, edges.b);
     let position = edges.corner + at.x * edges.a + at.y * edges.b;
     // The step in intervals is that between two samples of any map.
-    let share = (f32(step.x) + f32(step.y) * exp2(-32.0)) / f32(width);
+    let share = (f32(place.step.x) + f32(place.step.y) * exp2(-32.0)) / f32(width);
     let area = select(0.0, shape.w * share * f32(wanted.maps), triangle_exists(triangle, at));
-    return SurfaceSample(position, map, shape.xyz, area, triangle, 0u, 0u, 0u);
+    return SurfaceSample(position, place.map, shape.xyz, area, triangle, 0u, 0u, 0u);
 }

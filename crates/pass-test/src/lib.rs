@@ -34,6 +34,7 @@ mod clusters;
 mod given;
 mod harness;
 mod outputs;
+pub mod points;
 pub mod random;
 pub mod rooms;
 mod shader_use;

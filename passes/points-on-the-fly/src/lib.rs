@@ -8,7 +8,7 @@ use pass::{
 
 pass::from_wgsl!(outputs, record);
 
-const BOUNDS: Struct = Struct::new("passes/points-on-the-fly/triangles.wgsl", "Bounds");
+const BOUNDS: Struct = Struct::new("shaders/tessellation.wgsl", "Bounds");
 
 /// Bytes of a weight, a f32.
 const WEIGHT_BYTES: u64 = 4;
@@ -46,7 +46,7 @@ fn record(cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
     let (use_cx, triangles) = (cx.use_context(), cx.trait_u32("triangles"));
     let mut recording = Recording::default();
     if tessellates(cx.settings)? {
-        let bounds = cx.file("bounds.wgsl");
+        let bounds = cx.shader("shaders/tessellation-bounds.wgsl", &[]);
         recording = Recording::of(reduce::steps(&use_cx, &bounds, triangles, "bounds_blocks")?);
     }
     let main = cx.file("points-on-the-fly.wgsl");

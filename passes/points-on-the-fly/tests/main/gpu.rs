@@ -4,6 +4,7 @@ use crate::cpu_reference::{ANY_NUMBER, WHOLE, place, sample, scramble, starts, t
 use crate::probe::Amplification;
 use glam::{DVec3, Vec3};
 use interfaces::points::SurfaceSample;
+use pass_test::points::PointsPort;
 use pass_test::random::{hash2, unit_float};
 use pass_test::{Harness, soup};
 use points_on_the_fly::PASS;
@@ -109,7 +110,7 @@ fn sum_of_areas(samples: &[SurfaceSample], map: u32) -> f64 {
 fn samples_are_those_of_the_cpu_reference() {
     let scene = pass_test::scene("cornell-box");
     let corners = triangles(&scene, 0.0);
-    let seed = pass::pass_seed(0, "probe");
+    let seed = PointsPort::seed();
     // Fewer samples than are requested, and more; blocks of maps that are not full.
     for (rule, maps, per_map) in
         [("area", 3, 700), ("area", 70, 33), ("tessellation", 40, 50), ("tessellation", 5, 20_000)]
@@ -237,4 +238,18 @@ fn levels_rise_with_every_edge() {
 fn there_are_as_many_points_as_are_wanted() {
     let Some(outputs) = Harness::new(PASS).scene("plane").run() else { return };
     assert_eq!(*outputs.fact("points", "count"), pass::Value::U32(ANY_NUMBER));
+}
+
+#[test]
+fn a_splat_factor_asks_for_so_many_samples_a_vertex() {
+    let scene = pass_test::scene("cornell-box");
+    let requested = |factor: f32| {
+        let harness = Harness::new(PASS).with_scene(scene.clone()).set("rule", "tessellation");
+        let words: Vec<u32> = harness.set("splat_factor", factor).run()?.read("points");
+        Some(words[0])
+    };
+    let (Some(one), Some(third), Some(twice)) = (requested(1.0), requested(0.3), requested(2.0)) else {
+        return;
+    };
+    assert_eq!((third, twice), ((one as f32 * 0.3) as u32, 2 * one));
 }

@@ -21,7 +21,7 @@ var<uniform> settings: Settings;
 var<storage, read_write> samples: array<SurfaceSample>;
 
 @compute @workgroup_size(64)
-fn probe(row: Row) {
+fn points_probe(row: Row) {
     let index = index_in(row, 64u);
     if index < arrayLength(&samples) {
         samples[index] = surface_sample(settings.wanted, index);
