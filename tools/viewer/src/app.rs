@@ -179,7 +179,7 @@ impl App {
         let before = std::mem::replace(&mut self.now, now);
         self.take_scene(before.scene.as_ref());
         self.take_settings();
-        self.follow_auto();
+        self.follow_auto(ui.ctx());
         self.hold_open(ui.ctx());
         self.pilot.time.take_if(|time| *time == self.now.time || self.now.playing);
         if let Some(dark) = self.remembered.dark {

@@ -51,6 +51,10 @@ pub(crate) struct Engine {
     commands: Sender<Command>,
     /// The number of commands that were sent.
     sent: AtomicU64,
+    /// The number of those that move something.
+    moves: AtomicU64,
+    /// The size of frames that is set before the next one that does.
+    small: Mutex<Option<(u32, u32)>>,
     /// Set while a command waits.
     waits: Arc<AtomicBool>,
     /// Set once the window is closed.
@@ -84,11 +88,23 @@ impl Engine {
                 }
             }
         });
-        Engine { commands, sent: AtomicU64::new(0), waits, quits, published, thread: thread.ok() }
+        let (sent, moves) = (AtomicU64::new(0), AtomicU64::new(0));
+        let small = Mutex::new(None);
+        Engine { commands, sent, moves, small, waits, quits, published, thread: thread.ok() }
     }
 
     /// Sends a command. It is carried out before the next frame.
     pub(crate) fn send(&self, command: Command) {
+        if command.moves() {
+            self.moves.fetch_add(1, Ordering::Relaxed);
+            if let Some(size) = self.small().take() {
+                self.post(Command::Size(size));
+            }
+        }
+        self.post(command);
+    }
+
+    fn post(&self, command: Command) {
         self.sent.fetch_add(1, Ordering::Relaxed);
         // A session that has ended has said why.
         let _ = self.commands.send(command);
@@ -98,6 +114,16 @@ impl Engine {
     /// Returns the number of commands that were sent.
     pub(crate) fn sent(&self) -> u64 {
         self.sent.load(Ordering::Relaxed)
+    }
+
+    /// Returns the number of commands that move something.
+    pub(crate) fn moves(&self) -> u64 {
+        self.moves.load(Ordering::Relaxed)
+    }
+
+    /// Returns the size that frames have from the next command on that moves something; `None` for that which they have.
+    pub(crate) fn small(&self) -> MutexGuard<'_, Option<(u32, u32)>> {
+        self.small.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Returns what is published now. The engine waits while this is held.

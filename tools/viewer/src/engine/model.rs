@@ -107,6 +107,19 @@ pub(crate) struct Looked {
 }
 
 impl Command {
+    /// Whether it moves or adjusts something, as a hand does that goes on with it.
+    pub(crate) fn moves(&self) -> bool {
+        matches!(
+            self,
+            Command::Value(..)
+                | Command::Reset(..)
+                | Command::Camera(..)
+                | Command::Lights(_)
+                | Command::Play(_)
+                | Command::Time(_)
+        )
+    }
+
     /// Whether this command makes `earlier` pointless, where both came since the last frame: of the places of a slider only
     /// the last counts.
     pub(crate) fn supersedes(&self, earlier: &Command) -> bool {

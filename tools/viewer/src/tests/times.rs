@@ -36,7 +36,7 @@ fn times_begin_again_with_another_resolution() {
     assert!(side.times.iter().all(|times| times.all().len() < 5));
 }
 
-/// On a processor the first picture is small, and grows where that does not take long.
+/// On a processor the first picture is small, and comes to full size at rest; what moves is small again from its first frame.
 #[test]
 fn the_automatic_resolution_begins_small_on_a_processor() {
     let Some(mut harness) = remembering("ism-invtm", "plane", Remembered::default()) else { return };
@@ -45,5 +45,19 @@ fn the_automatic_resolution_begins_small_on_a_processor() {
         return;
     }
     assert_eq!(harness.state().resolution(), 0.125);
-    pump(&mut harness, |app| app.resolution() >= 0.25 && a(app).idle);
+    let small = harness.state().frame_size.sent;
+    pump(&mut harness, |app| app.resolution() == 1.0);
+    pump(&mut harness, |app| a(app).plan.frame == app.frame_size.sent && a(app).idle);
+    let full = a(harness.state()).plan.frame;
+    assert!(full.0 > 2 * small.0, "{small:?}, {full:?}");
+    for time in [1.0, 2.0, 3.0] {
+        let engine = &harness.state().engine;
+        let (sent, frames) = (engine.sent(), a(harness.state()).frames);
+        assert!(engine.small().is_some_and(|(width, _)| width < full.0));
+        engine.send(Command::Time(time));
+        assert_eq!((engine.sent(), *engine.small()), (sent + 2, None), "the size goes before the command");
+        pump(&mut harness, |app| {
+            a(app).frames > frames && app.engine.small().is_some() && a(app).plan.frame == full
+        });
+    }
 }

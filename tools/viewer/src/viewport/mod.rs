@@ -37,6 +37,8 @@ pub(crate) struct FrameSize {
     since: Option<Instant>,
     /// What the engine was asked for last; zeros before.
     pub(crate) sent: (u32, u32),
+    /// The size that was left with the engine for the next command that moves something.
+    left: Option<(u32, u32)>,
 }
 
 /// Where a picture is on the screen.
@@ -153,10 +155,17 @@ fn ask_for_size(app: &mut App, ui: &Ui, rect: Rect) {
     if app.now.adapter.is_empty() {
         return;
     }
-    let scale = app.resolution() * ui.pixels_per_point();
-    let side = |points: f32| ((points * scale).round() as u32).clamp(16, 8192);
-    let size = (side(rect.width()), side(rect.height()));
+    let size_of = |scale: f32| {
+        let side = |points: f32| ((points * scale * ui.pixels_per_point()).round() as u32).clamp(16, 8192);
+        (side(rect.width()), side(rect.height()))
+    };
+    let size = size_of(app.resolution());
+    let small = app.resolution_of_moves().map(size_of);
     let frame = &mut app.frame_size;
+    let left = std::mem::replace(&mut *app.engine.small(), small);
+    if let (Some(taken), None) = (std::mem::replace(&mut frame.left, small), left) {
+        frame.sent = taken;
+    }
     if frame.wanted != size {
         (frame.wanted, frame.since) = (size, Some(Instant::now()));
     }
