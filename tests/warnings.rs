@@ -180,6 +180,56 @@ fn a_format_that_is_not_that_of_the_interface_is_reported() {
     }
 }
 
+/// A copy of a reflective shadow map without what the scene's or the reader's choice makes part of it.
+#[test]
+fn a_copy_that_lacks_an_optional_member_is_reported() {
+    let shader = |members: &[(&str, &str)]| {
+        let declared = members.iter().map(|(name, format)| {
+            format!(
+                "var rsm_{name}: texture_2d_array<f32>;\nvar copy_{name}: texture_storage_2d_array<{format}, write>;\n"
+            )
+        });
+        let stored = members.iter().map(|(name, _)| {
+            format!("textureStore(copy_{name}, id.xy, id.z, textureLoad(rsm_{name}, id.xy, id.z, 0));\n")
+        });
+        format!(
+            "{}@compute @workgroup_size(8, 8)\nfn copy(@builtin(global_invocation_id) id: vec3<u32>) {{\n{}}}\n",
+            declared.collect::<String>(),
+            stored.collect::<String>()
+        )
+    };
+    let pipeline = |shader: &str| {
+        let copy = format!(
+            "Pass(kind: \"compute\", shader: \"{shader}\", in: {{ \"rsm\": \"rsm\" }},\n\
+             out: {{ \"copy\": Out(interface: \"ReflectiveShadowMap\") }})"
+        );
+        let reader =
+            "Pass(kind: \"importance-map\", in: { \"rsm\": \"copy\" }, set: { \"measure\": \"flux\" })";
+        format!(
+            "Pipeline(extends: \"ism.ron\", passes: {{ \"copy\": {copy} }}, patch: [Replace(\"importance\", {reader})])"
+        )
+    };
+    let needed = [("position", "rgba32float"), ("normal", "rgba16float"), ("flux", "rgba32float")];
+    let whole = [&needed[..], &[("albedo", "rgba16float")]].concat();
+    let mine = Folder::new(&[
+        ("less.wgsl", &shader(&needed)),
+        ("less.ron", &pipeline("less.wgsl")),
+        ("whole.wgsl", &shader(&whole)),
+        ("whole.ron", &pipeline("whole.wgsl")),
+    ]);
+    let words = [
+        "warning[W006]: `copy.copy` has no `albedo`, which its input `rsm` has",
+        "less.ron:2:",
+        "`copy_albedo`",
+    ];
+    let graph = |pipeline| run_in(&mine, &["graph", pipeline, "cornell-box", "-o", "graph.svg"]).success();
+    let found = graph("less.ron").says(&words);
+    assert_eq!(found.to_string().matches("W006").count(), 1, "{found}");
+    assert!(!graph("whole.ron").to_string().contains("W006"));
+    // In some of the scenes surfaces are glossy.
+    run_in(&mine, &["check", "whole.ron"]).success().says(&["has no `specular`"]);
+}
+
 #[test]
 fn a_file_that_is_there_and_cannot_be_read_is_not_said_to_be_missing() {
     let mine =

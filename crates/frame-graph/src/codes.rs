@@ -45,4 +45,5 @@ data_file::codes! {
     NO_EFFECT = "W003": "A value has no effect: nothing uses the parameter, it is set or replaced again in the same file, or no pass that runs takes it.";
     LEFT_OUT = "W004": "The pipeline leaves out light that the scene has.";
     OTHER_FORMAT = "W005": "A texture of an output is not of the format of its interface.";
+    LACKS_MEMBER = "W006": "An output lacks an optional member of its interface, which an input of that interface has.";
 }

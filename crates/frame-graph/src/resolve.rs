@@ -4,7 +4,7 @@ mod diff;
 mod document;
 mod figures;
 mod flatten;
-mod formats;
+mod interfaces;
 mod json;
 mod localise;
 mod locate;

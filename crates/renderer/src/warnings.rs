@@ -31,7 +31,7 @@ impl Compiled {
     /// Returns the warnings of the files, and of the plan that they give.
     pub fn of_files(&self, catalog: &Catalog) -> Diagnostics {
         let Diagnostics(mut all) = self.resolved.warnings();
-        all.extend(self.resolved.other_formats(&self.plan, catalog.interfaces()));
+        all.extend(self.resolved.against_interfaces(&self.plan, catalog.interfaces()));
         Diagnostics(all)
     }
 

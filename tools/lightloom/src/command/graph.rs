@@ -43,7 +43,7 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let mut warnings = resolved.warnings();
     let (given, found) = ((&*args.pipeline, &overrides), (&resolved, &plan));
     warnings.0.extend(without_effect(catalog, given, found, &link_context, &options));
-    warnings.0.extend(resolved.other_formats(&plan, catalog.interfaces()));
+    warnings.0.extend(resolved.against_interfaces(&plan, catalog.interfaces()));
     warn(&warnings, context.json);
     let Some(out) = &args.out else {
         stdout!("{}", if context.json { format!("{:#}", plan.to_json()) } else { plan.to_text() });

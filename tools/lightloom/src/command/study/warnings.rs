@@ -48,7 +48,7 @@ fn plan_ids<'p>(
         let resolved = resolve(&run.pipeline, catalog.pipelines(), &overrides(&run.set)).ok()?;
         let graph = link(&resolved, &**catalog, &link_context).ok()?;
         let compiled = compile(&graph, &renderer::compile_options()).ok()?;
-        for warning in resolved.other_formats(&compiled, catalog.interfaces()) {
+        for warning in resolved.against_interfaces(&compiled, catalog.interfaces()) {
             if !warnings.contains(&warning) {
                 warnings.push(warning);
             }
