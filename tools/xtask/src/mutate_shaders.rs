@@ -98,44 +98,36 @@ pub fn draw<'a>(tree: &'a Tree, options: &Options) -> Vec<(&'a File, Change)> {
     all
 }
 
-/// Returns the packages whose tests run for a WGSL file, at most `most`: that of the pass; for a file that passes share those whose
-/// tests name it, then those that import it, directly before indirectly.
+/// Returns the packages whose tests run for a WGSL file, at most `most`: that of the pass, and those whose tests name the file; for a
+/// file that passes share also those that import it, directly before indirectly.
 pub fn users(tree: &Tree, path: &str, most: usize) -> Vec<String> {
     let folder = |path: &str| path.split('/').take(2).collect::<Vec<_>>().join("/");
-    let package = |folder: String| {
-        tree.manifests()
-            .iter()
-            .find(|manifest| manifest.folder() == folder)
-            .and_then(|manifest| manifest.package())
+    let package = |path: &str| {
+        let manifest = tree.manifests().iter().find(|manifest| manifest.folder() == folder(path));
+        manifest.and_then(|manifest| manifest.package()).map(str::to_owned)
     };
-    if path.starts_with("passes/") {
-        return package(folder(path)).map(str::to_owned).into_iter().collect();
-    }
+    let mut found: Vec<String> = package(path).into_iter().collect();
+    let mut add = |file: &File| found.extend(package(&file.path).filter(|package| !found.contains(package)));
+    // A file of a pass is named by its path, as others have its name; shared ones are imported by their names.
     let name = |path: &str| path.rsplit('/').next().unwrap_or(path).to_owned();
-    let mut names = BTreeSet::from([name(path)]);
-    let mut found: Vec<String> = Vec::new();
-    let mut add = |file: &File| {
-        let package =
-            package(folder(&file.path)).filter(|package| !found.iter().any(|known| known == package));
-        found.extend(package.map(str::to_owned));
-    };
-    let rust = || tree.files().iter().filter(|file| file.is("rs"));
+    let is_shared = path.starts_with("shaders/");
+    let mut names = BTreeSet::from([if is_shared { name(path) } else { path.to_owned() }]);
     let quoted = |file: &File, names: &BTreeSet<String>| {
         names.iter().any(|name| file.text.contains(&format!("{name}\"")))
     };
+    let rust = || tree.files().iter().filter(|file| file.is("rs"));
     rust().filter(|file| file.path.contains("/tests/") && quoted(file, &names)).for_each(&mut add);
-    loop {
-        let importers: Vec<&File> =
-            tree.files().iter().filter(|file| file.is("wgsl") && quoted(file, &names)).collect();
-        importers.iter().filter(|file| file.path.starts_with("passes/")).for_each(|file| add(file));
-        let known = names.len();
-        names.extend(importers.iter().map(|file| name(&file.path)));
-        if names.len() == known {
-            break;
-        }
+    let mut known = 0;
+    while is_shared && known < names.len() {
+        known = names.len();
+        let importers = || tree.files().iter().filter(|file| file.is("wgsl") && quoted(file, &names));
+        importers().filter(|file| file.path.starts_with("passes/")).for_each(&mut add);
+        let imported: Vec<String> = importers().map(|file| name(&file.path)).collect();
+        names.extend(imported);
     }
     // Modules that Rust names.
-    rust().filter(|file| file.path.starts_with("passes/") && quoted(file, &names)).for_each(&mut add);
+    let is_module = |file: &&File| is_shared && file.path.starts_with("passes/") && quoted(file, &names);
+    rust().filter(is_module).for_each(&mut add);
     found.truncate(most);
     found
 }

@@ -71,7 +71,7 @@ fn f(@builtin(position) at: array<f32, 3>) {
 const FILES: &[(&str, &str)] = &[
     ("Cargo.toml", "[workspace]\n"),
     ("crates/precision/Cargo.toml", "[package]\nname = \"precision\"\n"),
-    ("crates/precision/tests/main.rs", "call(\"shaders/sobol.wgsl\");\n"),
+    ("crates/precision/tests/main.rs", "call(\"shaders/sobol.wgsl\");\ncall(\"passes/near/near.wgsl\");\n"),
     ("passes/near/Cargo.toml", "[package]\nname = \"near\"\n"),
     ("passes/near/near.wgsl", "#import \"sobol.wgsl\"\nfn f() -> f32 { return a - b; }\n"),
     ("passes/far/Cargo.toml", "[package]\nname = \"far\"\n"),
@@ -91,6 +91,7 @@ fn tests_that_name_a_file_run_before_those_that_import_it() {
     assert_eq!(users(&tree, "shaders/sobol.wgsl", 9), ["precision", "near", "far", "named"]);
     assert_eq!(users(&tree, "shaders/sobol.wgsl", 2), ["precision", "near"]);
     assert_eq!(users(&tree, "passes/far/far.wgsl", 9), ["far"]);
+    assert_eq!(users(&tree, "passes/near/near.wgsl", 9), ["near", "precision"]);
 }
 
 #[test]
