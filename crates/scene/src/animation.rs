@@ -194,9 +194,17 @@ mod tests {
 
     #[test]
     fn keys_that_make_no_track_are_refused() {
-        let v = Vec3::ONE;
-        for keys in [vec![], vec![(0.0, v), (0.0, v)], vec![(f32::NAN, v)], vec![(0.0, v / 0.0)]] {
-            assert!(Track::new(keys.clone(), Between::Linear, Outside::Hold).is_err(), "{keys:?}");
+        fn check<T: Animated + std::fmt::Debug>(value: T, infinite: T) {
+            let equal = vec![(0.0, value), (0.0, value)];
+            for keys in [vec![], equal, vec![(f32::NAN, value)], vec![(0.0, infinite)]] {
+                assert!(Track::new(keys.clone(), Between::Linear, Outside::Hold).is_err(), "{keys:?}");
+            }
+            let with =
+                |slope| Track::new(vec![(0.0, value)], Between::Cubic(vec![[value, slope]]), Outside::Hold);
+            assert!(with(value).is_ok() && with(infinite).is_err(), "{infinite:?}");
         }
+        check(1.0, f32::INFINITY);
+        check(Vec3::ONE, Vec3::INFINITY);
+        check(Quat::IDENTITY, Quat::from_xyzw(0.0, 0.0, 0.0, f32::NAN));
     }
 }

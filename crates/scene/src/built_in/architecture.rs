@@ -222,3 +222,27 @@ pub(super) fn column(
     ];
     builder.lathe(material, foot, &outline, sides);
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::Material;
+
+    #[test]
+    fn ribs_follow_both_creases_from_corner_to_corner() {
+        let vault = Vault { place: Vec3::ZERO, half: [2.0, 3.0], spring: 4.0, rise: 1.5, pointed: 0.2 };
+        let (radius, mut builder) = (0.1, Builder::default());
+        let stone = builder.material(Material::default());
+        vault.ribs(&mut builder, stone, radius, 32);
+        let model = builder.finish("ribs");
+        let vertices = &model.meshes[0].primitives[0].positions;
+        for i in 0..=16 {
+            let t = i as f32 / 8.0 - 1.0;
+            for crease in [vault.point(t, t), vault.point(t, -t)] {
+                let nearest = vertices.iter().map(|at| at.distance(crease)).fold(f32::INFINITY, f32::min);
+                // A piece is at most 0.36 m long, so that a ring of vertices is no farther than half of that.
+                assert!(nearest < radius + 0.2, "no rib within {nearest} m of {crease}");
+            }
+        }
+    }
+}

@@ -43,6 +43,17 @@ fn triangles_wind_as_their_normals_say() {
 }
 
 #[test]
+fn every_material_of_a_built_in_geometry_is_seen() {
+    for name in built_in_names() {
+        let scene = built_in(name);
+        for (i, material) in (0..).zip(&scene.materials) {
+            let is_seen = scene.vertices.is_empty() || scene.vertices.iter().any(|v| v.material == i);
+            assert!(is_seen, "{name}: nothing has the material {}", material.name);
+        }
+    }
+}
+
+#[test]
 fn the_cornell_box_has_the_measured_area() {
     // By hand from the measured corners, in m²: trapezia of floor, back and right and left wall, the ceiling,
     // and for each block its roof and the perimeter of its foot times its height.
