@@ -3,8 +3,9 @@
 mod cpu_reference;
 
 use glam::{Vec3, vec3};
-use interfaces::virtual_lights::VirtualLight;
-use pass_test::{Harness, RsmTexel, random};
+use interfaces::virtual_lights::{VirtualLight, VirtualLobe};
+use pass::{Format, ResourceDesc};
+use pass_test::{Harness, RsmTexel, member, random};
 use sample_uniform::PASS;
 use scene::{Light, LightKind};
 
@@ -184,4 +185,39 @@ fn what_several_lights_see_is_shared_by_radiosity() {
             );
         }
     }
+}
+
+/// Each light has the lobe of its own texel, and a surface that reflects nothing diffusely is lit all the same.
+#[test]
+fn lights_have_the_lobes_of_their_texels() {
+    const COUNT: u32 = 500;
+    let size = (4, 4);
+    // Every fourth texel reflects nothing specularly.
+    let specular = |i: u32| match i % 4 {
+        3 => [0.0, 0.0, 0.0, 1.0],
+        _ => [0.02 * i as f32 + 0.1, 0.0, 0.5, 0.05 * i as f32 + 0.1],
+    };
+    let desc = ResourceDesc::texture_2d_array(Format::Rgba32Float, size, 1);
+    let texels =
+        |name, of: &dyn Fn(u32) -> [f32; 4]| member(name, desc.clone(), &(0..16).map(of).collect::<Vec<_>>());
+    let rsm = vec![
+        texels("position", &|i| [0.01 * i as f32, 0.0, 0.0, 1.0]),
+        texels("normal", &|_| [0.0, 1.0, 0.0, 0.0]),
+        texels("flux", &|_| [0.0, 0.0, 0.0, 1.0]),
+        texels("specular", &specular),
+    ];
+    let harness = Harness::new(PASS).scene("plane").set("count", COUNT).set("lobes", true);
+    let Some(outputs) = harness.input("rsm", "ReflectiveShadowMap", &[], rsm).run() else { return };
+    let (lights, lobes) = (outputs.lights("lights"), outputs.read::<VirtualLobe>("lights.lobes"));
+    assert_eq!(lobes.len(), COUNT as usize);
+    let mut lit = 0;
+    for (light, lobe) in lights.iter().zip(lobes) {
+        let [r, g, b, roughness] = specular(light.texel);
+        assert_eq!((lobe.f0, lobe.roughness), ([r, g, b], roughness), "{light:?}");
+        // Corners of the map are outside the spot's cone.
+        assert!(lobe.flux[0] == 0.0 || r > 0.0, "{lobe:?}");
+        assert_eq!(light.flux[0] > 0.0, lobe.flux[0] > 0.0, "{light:?}");
+        lit += u32::from(lobe.flux[0] > 0.0);
+    }
+    assert!(lit > COUNT / 4, "{lit} lights have lobes");
 }
