@@ -95,6 +95,23 @@ impl Costs {
         }
     }
 
+    /// Adds the costs of another study, as far as the work is known by which they count for others.
+    pub(crate) fn join(&mut self, other: &Costs) {
+        for (like, known) in other.cells.iter().filter(|(_, known)| known.work.is_finite()) {
+            self.cells.entry(like.clone()).or_default().add(*known);
+        }
+        for (source, known) in other.references.iter().filter(|(_, known)| known.work.is_finite()) {
+            self.references.entry(source.clone()).or_default().add(*known);
+        }
+    }
+
+    /// Returns these costs, with those of `others` for cells or references if none of them is known.
+    pub(crate) fn or(&self, others: &Costs) -> Costs {
+        let cells = if self.cells.is_empty() { &others.cells } else { &self.cells };
+        let references = if self.references.is_empty() { &others.references } else { &self.references };
+        Costs { cells: cells.clone(), references: references.clone() }
+    }
+
     /// Returns the number of cells that are known.
     pub fn cell_count(&self) -> usize {
         self.cells.get(&any()).map_or(0, |known| known.count)
@@ -303,6 +320,27 @@ mod tests {
         // A record of an earlier version does not have its work.
         costs.add(&cell("slow", 1.0, 30.0));
         assert_eq!(costs.cell(("box", "slow", &axes(1.0), 400.0)), Some(20.0));
+    }
+
+    #[test]
+    fn a_study_without_costs_takes_those_of_others() {
+        let (mut own, mut other, mut all) = (Costs::default(), Costs::default(), Costs::default());
+        other.add(&Cell { work: 100.0, ..cell("slow", 1.0, 10.0) });
+        other.references.insert(("box".to_owned(), "truth".to_owned()), Measured::one(40.0, 8.0));
+        all.join(&other);
+        all.join(&other);
+        let axes = BTreeMap::new();
+        let kind = ("box", "slow", &axes, 200.0);
+        assert_eq!(own.or(&all).cell(kind), Some(20.0));
+        assert_eq!(own.or(&all).references.values().next().map(|known| known.of(4.0)), Some(20.0));
+        // Of a study whose cells a time ends.
+        let mut timed = Costs::default();
+        timed.add(&cell("slow", 1.0, 1000.0));
+        all.join(&timed);
+        assert_eq!(own.or(&all).cell(kind), Some(20.0));
+        own.add(&Cell { work: 100.0, ..cell("fast", 1.0, 1.0) });
+        assert_eq!(own.or(&all).cell(kind), Some(2.0), "its own are nearer");
+        assert_eq!(own.or(&all).references.len(), 1);
     }
 
     proptest! {

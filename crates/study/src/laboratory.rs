@@ -170,8 +170,12 @@ pub struct RunRequest {
 }
 
 impl RunRequest {
-    /// Returns pixels × frames × samples: an upper bound of how much longer a run takes than one that has less of them.
+    /// Returns pixels × frames × samples: an upper bound of how much longer a run takes than one that has less of them. 0 where
+    /// a time ends it.
     pub(crate) fn work(&self) -> f64 {
+        if self.stop_after_ms.is_some() {
+            return 0.0;
+        }
         let (width, height) = self.size;
         let frames = if self.until_done { 1 } else { self.warm_up + self.frames };
         let samples = self.set.iter().rev().find_map(|(path, value)| match value {

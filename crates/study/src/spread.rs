@@ -69,8 +69,10 @@ pub fn costs(studies: &[(Plan, Costs)]) -> Table {
     columns.extend(
         GPUS.map(|gpus| Column::number(format!("exponent on {gpus}"), "Time ∝ cellsᵖ, with twice the seeds")),
     );
+    let mut all = Costs::default();
+    studies.iter().for_each(|(_, costs)| all.join(costs));
     let row = |(plan, costs): &(Plan, Costs)| {
-        let work = Work::new(plan, costs);
+        let work = Work::new(plan, &costs.or(&all));
         let mut row = vec![Entry::Text(plan.study.name.clone())];
         let counts = [
             work.cells.len(),
@@ -80,18 +82,25 @@ pub fn costs(studies: &[(Plan, Costs)]) -> Table {
         ];
         row.extend(counts.map(|count| Entry::Text(count.to_string())));
         row.extend(GPUS.map(|gpus| Entry::Text(duration(work.seconds(gpus)))));
-        row.extend(GPUS.map(|gpus| Entry::Text(format!("{:.2}", work.exponent(gpus)))));
+        row.extend(GPUS.map(|gpus| Entry::Text(exponent(work.exponent(gpus)))));
         row
     };
     let caption = "Each GPU takes the next shard of 20 minutes as soon as it is free, references first; without the time in \
                    queues. A cell that was not measured takes as long as those of the same scene and pipeline, or of the \
-                   same pipeline, scene or study; all in proportion to pixels × frames, and references to samples too. An exponent p is of time ∝ cellsᵖ, where the seeds are doubled.";
+                   same pipeline, scene or study, or of other studies where none of it was measured: all in proportion to \
+                   pixels × frames, and references to samples too. An exponent p is of time ∝ cellsᵖ, where the seeds are \
+                   doubled.";
     Table {
         name: "costs".to_owned(),
         caption: caption.to_owned(),
         columns,
         rows: studies.iter().map(row).collect(),
     }
+}
+
+/// Formats an exponent: 0 has no sign.
+fn exponent(value: f64) -> String {
+    format!("{:.2}", (100.0 * value).round() / 100.0 + 0.0)
 }
 
 fn gpus_text(gpus: usize) -> String {
@@ -140,5 +149,6 @@ mod tests {
     #[test]
     fn durations_are_readable() {
         assert_eq!([5.0, 600.0, 36_000.0, 864_000.0].map(duration), ["5 s", "10 min", "10 h", "10 days"]);
+        assert_eq!([-0.001, 0.376, -0.5].map(exponent), ["0.00", "0.38", "-0.50"]);
     }
 }
