@@ -411,6 +411,10 @@ fn drawings_hold_every_pass() {
     assert!(svg.ends_with("</svg>\n") && svg.contains("lower bound"));
     assert!(!svg.contains("NaN") && svg.matches("<g>").count() == svg.matches("</g>").count());
     assert_eq!(json["passes"].as_array().unwrap().len(), plan.passes.len());
+    let view = json["passes"].as_array().unwrap().iter().find(|pass| pass["name"] == "view").unwrap();
+    let bindings: Vec<_> =
+        view["scene_bindings"].as_array().unwrap().iter().map(|name| name.as_str()).collect();
+    assert_eq!(bindings, [Some("scene"), Some("camera")]);
     assert_eq!(json["id"], plan.id.to_string());
     assert_eq!(json["memory"]["bound"], plan.memory.bound);
     insta::with_settings!({ prepend_module_to_snapshot => false, snapshot_path => "../snapshots", omit_expression => true }, {
