@@ -158,6 +158,9 @@ pub(crate) fn row(folder: &Path, key: &str) -> PathBuf {
 
 /// Locks a folder for this process; returns `None` where there are no locks.
 fn lock(path: &Path) -> Result<Option<File>, StudyError> {
+    if !whole_file::has_locks(path) {
+        return Ok(None);
+    }
     let file = path.join("lock");
     let mut lock = File::options()
         .create(true)

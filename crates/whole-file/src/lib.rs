@@ -2,9 +2,10 @@
 //! disk. Whoever reads a file while it is written, or after the program was killed, finds the one before or the new one.
 //!
 //! A file that a killed program left half written is removed by the next program of the same machine that writes into the
-//! folder: a file that is being written is locked by its writer, and the system ends that lock with the process. Locks are
-//! asked between the processes of one machine only, since network file systems (NFS) may not have them, or not between
-//! machines: the name of an unfinished file has that of its machine, and those of others are removed after a day.
+//! folder: a file that is being written is locked by its writer, and the system ends that lock with the process. On network
+//! file systems (NFS) no lock is asked, since whoever asks may wait for ever for a lock manager that is not there; elsewhere a lock
+//! may hold on one machine only. The name of an unfinished file has that of its machine. Those of others, and on a network file
+//! system all, are removed after a day.
 //!
 //! `tempfile` names and replaces the files. The rest is ours, since crates for whole files (`atomic-write-file`,
 //! `atomicwrites`) lack it: links are followed, devices and pipes are written to instead of replaced, read-only files
@@ -31,7 +32,7 @@ static OWN: LazyLock<String> = LazyLock::new(|| {
     format!("{}{host}-", NAME.0)
 });
 
-/// The age from which an unfinished file of another machine is one that was left. Clocks differ by less.
+/// The age from which an unfinished file about which no lock tells is one that was left. Clocks differ by less.
 const LEFT: Duration = Duration::from_secs(24 * 60 * 60);
 
 /// The number of times that a new file is made because another process took the last one for a leftover.
@@ -129,14 +130,33 @@ impl Unfinished {
     }
 }
 
-/// Makes a file and locks it.
+/// Returns whether files in a folder may be locked: not on NFS, where whoever asks may wait for ever.
+pub fn has_locks(folder: &Path) -> bool {
+    #[cfg(target_os = "linux")]
+    {
+        // `NFS_SUPER_MAGIC` of linux/magic.h.
+        const NFS: u64 = 0x6969;
+        rustix::fs::statfs(folder).map_or(true, |system| system.f_type as u64 != NFS)
+    }
+    #[cfg(not(target_os = "linux"))]
+    {
+        let _ = folder;
+        true
+    }
+}
+
+/// Makes a file and locks it, where files may be locked.
 fn locked(folder: &Path) -> io::Result<NamedTempFile> {
+    let has_locks = has_locks(folder);
     for _ in 0..TRIES {
         let mut builder = tempfile::Builder::new();
         builder.prefix(OWN.as_str()).suffix(NAME.1);
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         let file = builder.tempfile_in(folder)?;
+        if !has_locks {
+            return Ok(file);
+        }
         // Between its creation and its lock another process may have swept it away, or is about to. Where a system has no
         // locks, nothing is swept.
         match file.as_file().try_lock() {
@@ -179,8 +199,13 @@ pub fn write_new(path: &Path, bytes: impl AsRef<[u8]>) -> io::Result<()> {
 }
 
 /// Removes the files that killed programs of this machine left half written in a folder, and those of others that are more
-/// than a day old.
+/// than a day old; on a network file system, all that are more than a day old.
 pub fn sweep(folder: &Path) {
+    sweep_by(folder, has_locks(folder));
+}
+
+/// Removes the files that killed programs left, by their locks if there are any.
+fn sweep_by(folder: &Path, has_locks: bool) {
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         let name = entry.file_name();
         let name = name.to_string_lossy();
@@ -190,10 +215,11 @@ pub fn sweep(folder: &Path) {
         }
         let Ok(file) = File::options().write(true).open(entry.path()) else { continue };
         let age = || entry.metadata().ok()?.modified().ok()?.elapsed().ok();
-        if !name.starts_with(OWN.as_str()) && age().is_none_or(|age| age < LEFT) {
+        let is_told = has_locks && name.starts_with(OWN.as_str());
+        if !is_told && age().is_none_or(|age| age < LEFT) {
             continue;
         }
-        if file.try_lock().is_ok() {
+        if !has_locks || file.try_lock().is_ok() {
             // A file that cannot be removed does no harm.
             let _ = std::fs::remove_file(entry.path());
         }

@@ -69,6 +69,21 @@ fn what_a_killed_program_left_is_removed_and_what_is_being_written_is_not() {
     assert_eq!(names(folder.path()), ["b.txt", "notes.part"]);
 }
 
+/// Where no lock may be asked, this machine may be writing its file, too.
+#[test]
+fn without_locks_only_what_is_old_is_removed() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(format!("{}{name}.part", *OWN));
+    for name in ["new", "old"] {
+        std::fs::write(at(name), "half").unwrap();
+    }
+    let old = File::options().write(true).open(at("old")).unwrap();
+    old.set_modified(std::time::SystemTime::now() - 2 * LEFT).unwrap();
+    sweep_by(folder.path(), false);
+    assert_eq!([at("new"), at("old")].map(|path| path.exists()), [true, false]);
+    assert!(has_locks(folder.path()), "the folder of temporary files is on no network");
+}
+
 /// Between machines a lock may mean nothing: another machine may be writing its file.
 #[test]
 fn what_another_machine_writes_is_removed_once_it_is_old() {
