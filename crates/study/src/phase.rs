@@ -7,10 +7,15 @@ use crate::record::{Better, Cell, MeasureInfo};
 /// Begins the keys of shares.
 pub(crate) const SHARE: &str = "gpu-share:";
 
+/// Returns the key of the GPU time of a phase.
+fn time_key(phase: &str) -> String {
+    format!("{}:{phase}", Measure::GpuMs.key())
+}
+
 impl Phase {
     /// Returns the key of its measure: `gpu-ms:NAME`.
     pub fn key(&self) -> String {
-        format!("{}:{}", Measure::GpuMs.key(), self.name.value)
+        time_key(&self.name.value)
     }
 
     /// Returns the key of its share in the GPU time of a frame, which claims may name: `gpu-share:NAME`.
@@ -49,7 +54,7 @@ impl Cell {
         match key.strip_prefix(SHARE) {
             Some(phase) => {
                 let whole = value(Measure::GpuMs.key()).filter(|ms| *ms > 0.0)?;
-                Some(value(&format!("{}:{phase}", Measure::GpuMs.key()))? / whole)
+                Some(value(&time_key(phase))? / whole)
             }
             None => value(key),
         }
@@ -61,7 +66,7 @@ pub(crate) fn info_of(measures: &[MeasureInfo], key: &str) -> Option<MeasureInfo
     let find = |key: &str| measures.iter().find(|info| info.key == key).cloned();
     match key.strip_prefix(SHARE) {
         Some(phase) => {
-            let time = find(&format!("{}:{phase}", Measure::GpuMs.key()))?;
+            let time = find(&time_key(phase))?;
             Some(MeasureInfo {
                 key: key.to_owned(),
                 label: format!("share of {phase}"),
