@@ -52,7 +52,7 @@ fn surface_sample(wanted: SamplesWanted, index: u32) -> SurfaceSample {
     let shape = normal_and_area(edges.a, edges.b);
     let position = edges.corner + at.x * edges.a + at.y * edges.b;
     // The step in intervals is that between two samples of any map.
-    let share = (f32(place.step.x) + f32(place.step.y) * exp2(-32.0)) / f32(width);
+    let share = place.step / f32(width);
     let area = select(0.0, shape.w * share * f32(wanted.maps), triangle_exists(triangle, at));
     return SurfaceSample(position, place.map, shape.xyz, area, triangle, 0u, 0u, 0u);
 }

@@ -20,7 +20,6 @@ fn surface_sample(wanted: SamplesWanted, index: u32) -> SurfaceSample {
     }
     let point = points.points[multiply_high(place.number << 1u, points.stored)];
     // A map has so many times fewer samples than there are points.
-    let samples = (f32(place.step.x) + f32(place.step.y) * exp2(-32.0)) * exp2(-31.0);
-    let area = point.area * f32(points.stored) * samples * f32(wanted.maps);
+    let area = point.area * f32(points.stored) * place.step * exp2(-31.0) * f32(wanted.maps);
     return SurfaceSample(point.position, place.map, point.normal, area, point.triangle, 0u, 0u, 0u);
 }

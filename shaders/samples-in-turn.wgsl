@@ -13,8 +13,8 @@ struct PlaceOfSample {
     stratum: u32,
     /// Its place among all, as a share in units of 2⁻³¹: sample k of n has the middle of the k-th of n equal parts.
     number: u32,
-    /// 2³¹ over the number of samples of all maps: whole part, and fraction in units of 2⁻³².
-    step: vec2<u32>,
+    /// From one sample to the next, in the same units.
+    step: f32,
 }
 
 /// A number of at most 2³¹, at least 1, over another: whole part, and fraction in units of 2⁻³².
@@ -50,5 +50,5 @@ fn place_of_sample(wanted: SamplesWanted, index: u32, requested: u32, step: vec2
     }
     let between = select(vec2(wanted.step_whole, wanted.step_fraction), step, requested < all);
     let number = place * between.x + multiply_high(place, between.y) + between.x / 2u;
-    return PlaceOfSample(true, map, stratum, number, between);
+    return PlaceOfSample(true, map, stratum, number, f32(between.x) + f32(between.y) * exp2(-32.0));
 }

@@ -94,8 +94,11 @@ fn place(row: Row) {
     let shape = normal_and_area(edges.a, edges.b);
     let area = shape.w / f32(end - first) * f32(all) / f32(points.stored);
     let shrinks = all > settings.capacity;
-    // Rounded up, so that the last slot is filled.
-    let share = quotient(settings.capacity, all).y + 1u;
+    var share = 0u;
+    if shrinks {
+        // Rounded up, so that the last slot is filled.
+        share = quotient(settings.capacity, all).y + 1u;
+    }
     var lattice = lattice_of(measured(index));
     for (var number = first; number < end; number++) {
         var slot = number;
