@@ -28,7 +28,7 @@
 #import "bounded-geometry.wgsl"
 #endif
 #import "scene.wgsl"
-#import "view-geometric.wgsl"
+#import "surface-around.wgsl"
 #import "virtual-lights.wgsl"
 #if VISIBILITY
 #import interface "visibility"
@@ -36,8 +36,6 @@
 
 var<uniform> settings: Settings;
 var<storage, read> lights: VirtualLights;
-var view_depth: texture_2d<f32>;
-var view_normal: texture_2d<f32>;
 /// Sums of the dispatches before, pixel by pixel. [scratch, count: view.width * view.height * min(parts - 1, 1)]
 var<storage, read_write> sums: array<Sum>;
 
@@ -92,6 +90,7 @@ fn light_sum(flux: vec3<f32>, terms: vec2<f32>) -> vec4<f32> {
 /// A pixel for which a thread gathers.
 struct Place {
     pixel: vec2<u32>,
+    /// Whether it is in the frame and something is seen there.
     seen: bool,
     at: vec3<f32>,
     normal: vec3<f32>,
@@ -105,7 +104,7 @@ fn place_at(pixel: vec2<u32>) -> Place {
     let depth = textureLoad(view_depth, inside, 0).x;
     let normal = normalize(textureLoad(view_normal, inside, 0).xyz);
     let at = camera.position + pixel_ray(vec2<f32>(inside), settings.view_size) * depth;
-    return Place(pixel, depth > 0.0, at, normal, plane_normal(inside, normal));
+    return Place(pixel, depth > 0.0 && all(pixel == inside), at, normal, plane_normal(inside, normal));
 }
 
 /// Pixels per thread along each side of a square, GROUP_SIDE apart: each light is read once for all of them.
@@ -116,6 +115,9 @@ const GROUP_SIDE: u32 = 8u;
 
 /// Side of the square of pixels of a sub-image that a workgroup takes.
 const SQUARE: u32 = GROUP_SIDE * SPAN;
+
+/// The threads of a workgroup.
+const TILE: u32 = GROUP_SIDE * GROUP_SIDE;
 
 /// Gathers at the pixels of a square of GROUP_SIDE * SPAN in one sub-image. A light takes an iteration, and one more and a lookup
 /// for each pixel of a thread. [threads: (
@@ -155,19 +157,7 @@ fn gather(
             let light = staged[i];
             let index = own.first + (begin + i) * own.stride;
             for (var r = 0u; r < SPAN * SPAN; r++) {
-                let place = receivers[r].place;
-                var terms = geometry(light, place.at, place.normal);
-#if VIEW_GEOMETRIC
-                // No light arrives from behind the plane, even where a bent normal faces it.
-                let to_light = select(light.position - place.at, -light.normal, light.kind == INFINITELY_FAR);
-                terms *= select(0.0, 1.0, dot(place.plane, to_light) > 0.0);
-#endif
-#if VISIBILITY
-                if terms.x > 0.0 {
-                    terms *= visibility(index, light, place.at, place.plane);
-                }
-#endif
-                receivers[r].sum += contribution(receivers[r], light, index, terms);
+                receivers[r].sum += light_at(receivers[r], light, index);
             }
         }
         workgroupBarrier();
@@ -176,19 +166,126 @@ fn gather(
         let place = receivers[r].place;
         if all(place.pixel < settings.view_size) {
             // A subset represents all lights: the mean over the sub-images is the sum over all lights.
-            var sum = receivers[r].sum * f32(subsets);
-            if !place.seen {
-                sum = Sum();
-            }
-            let index = place.pixel.y * settings.view_size.x + place.pixel.x;
-            if settings.begin > 0u {
-                sum += sums[index];
-            }
-            if settings.last == 0u {
-                sums[index] = sum;
-                continue;
-            }
-            store(place.pixel, sum, place.seen);
+            add(place, receivers[r].sum * f32(subsets));
         }
     }
+}
+
+var<workgroup> listed: atomic<u32>;
+/// Of each pixel of a square that takes all lights, its place in the square.
+var<workgroup> list: array<u32, TILE>;
+/// Sums over subsets of the lights, of which each belongs to a pixel of the list.
+var<workgroup> of_subsets: array<Sum, TILE>;
+
+/// Gathers all lights at pixels whose neighbours lie on other surfaces: no filter finds the subsets there that they lack. A workgroup
+/// takes a square of pixels, and a thread a subset for a pixel of them.
+/// [threads: (
+///     (view.width + GROUP_SIDE - 1) / GROUP_SIDE * GROUP_SIDE,
+///     (view.height + GROUP_SIDE - 1) / GROUP_SIDE * GROUP_SIDE, 1),
+/// repeat: min(settings.complete_below, irradiance.interleave_x * irradiance.interleave_y - 1, 1),
+/// items: 1 + lights.count, iterations: 2 + visibility.iterations]
+@compute @workgroup_size(GROUP_SIDE, GROUP_SIDE)
+fn complete(
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(global_invocation_id) id: vec3<u32>,
+    @builtin(local_invocation_index) local_index: u32,
+) {
+    let interleave = vec2(settings.irradiance_interleave_x, settings.irradiance_interleave_y);
+    let subsets = interleave.x * interleave.y;
+    if is_alone(id.xy, interleave) {
+        list[atomicAdd(&listed, 1u)] = local_index;
+    }
+    workgroupBarrier();
+    let pixels = workgroupUniformLoad(&listed);
+    let count = min(lights.count, arrayLength(&lights.lights));
+    var whole = Sum();
+    for (var first = 0u; first < pixels * subsets; first += TILE) {
+        let item = first + local_index;
+        if item < pixels * subsets {
+            let own = subset(item % subsets, subsets, count);
+            let end = min(own.count, settings.end / subsets);
+            var one = receiver(place_at(pixel_of_list(group, item / subsets)));
+            for (var k = settings.begin / subsets; k < end; k++) {
+                let index = own.first + k * own.stride;
+                one.sum += light_at(one, lights.lights[index], index);
+            }
+            of_subsets[local_index] = one.sum;
+        }
+        workgroupBarrier();
+        // Thread j adds up for pixel j of the list.
+        let taken_end = min((local_index + 1u) * subsets, min(first + TILE, pixels * subsets));
+        for (var taken = max(local_index * subsets, first); taken < taken_end; taken++) {
+            whole += of_subsets[taken - first];
+        }
+        workgroupBarrier();
+    }
+    if local_index < pixels {
+        add(place_at(pixel_of_list(group, local_index)), whole);
+    }
+}
+
+/// The pixel at a place of the list.
+fn pixel_of_list(group: vec3<u32>, place: u32) -> vec2<u32> {
+    let index = list[place];
+    return group.xy * GROUP_SIDE + vec2(index % GROUP_SIDE, index / GROUP_SIDE);
+}
+
+/// Whether a pixel sees a surface that too few other pixels of the window of the interleaving see. The window and what counts as
+/// the same surface are those of geometry-aware-blur.
+fn is_alone(pixel: vec2<u32>, interleave: vec2<u32>) -> bool {
+    if any(pixel >= settings.view_size) {
+        return false;
+    }
+    let place = place_at(pixel);
+    if !place.seen {
+        return false;
+    }
+    let depth = textureLoad(view_depth, pixel, 0).x;
+    let around = surface_around(pixel, settings.view_size, depth, place.normal);
+    let reach = vec2<i32>(interleave) / 2;
+    var others = 0u;
+    for (var y = -reach.y; y <= reach.y; y++) {
+        for (var x = -reach.x; x <= reach.x; x++) {
+            let other = vec2<i32>(pixel) + vec2(x, y);
+            // As unsigned numbers, negative ones are large.
+            if all(vec2<u32>(other) < settings.view_size) {
+                others += select(0u, 1u, is_same_surface(around, other, SAME_PLANE, SAME_NORMAL));
+            }
+        }
+    }
+    return others < settings.complete_below;
+}
+
+/// What a light gives at a pixel.
+fn light_at(receiver: Receiver, light: VirtualLight, index: u32) -> Sum {
+    let place = receiver.place;
+    var terms = geometry(light, place.at, place.normal);
+#if VIEW_GEOMETRIC
+    // No light arrives from behind the plane, even where a bent normal faces it.
+    let to_light = select(light.position - place.at, -light.normal, light.kind == INFINITELY_FAR);
+    terms *= select(0.0, 1.0, dot(place.plane, to_light) > 0.0);
+#endif
+#if VISIBILITY
+    if terms.x > 0.0 && place.seen {
+        terms *= visibility(index, light, place.at, place.plane);
+    }
+#endif
+    return contribution(receiver, light, index, terms);
+}
+
+/// Adds the sum of a dispatch to those of the dispatches before, and stores what the last makes of them.
+fn add(place: Place, part: Sum) {
+    var sum = part;
+    if !place.seen {
+        sum = Sum();
+    }
+    let index = place.pixel.y * settings.view_size.x + place.pixel.x;
+    if settings.begin > 0u {
+        sum += sums[index];
+    }
+    if settings.last == 0u {
+        sums[index] = sum;
+        return;
+    }
+    store(place.pixel, sum, place.seen);
 }

@@ -35,6 +35,19 @@ fn off_plane(around: SurfaceAround, other: vec2<i32>, other_depth: f32) -> f32 {
     return abs(height - around.depth * around.slope.x) / around.depth;
 }
 
+/// The greatest distance from the plane, as a fraction of the depth, and the least cosine between normals, of two pixels that see one
+/// surface.
+const SAME_PLANE: f32 = 0.02;
+const SAME_NORMAL: f32 = 0.9;
+
+/// Whether another pixel sees the surface of the centre: is at most `plane` off its plane, as a fraction of the depth, with a normal
+/// of which the cosine is at least `cosine`.
+fn is_same_surface(around: SurfaceAround, other: vec2<i32>, plane: f32, cosine: f32) -> bool {
+    let other_depth = textureLoad(view_depth, other, 0).x;
+    let along = dot(around.normal, textureLoad(view_normal, other, 0).xyz);
+    return other_depth > 0.0 && off_plane(around, other, other_depth) <= plane && along >= cosine;
+}
+
 /// Likeness in [0, 1] of what another pixel sees: falls with the distance from the centre's plane, in units of `plane` (a
 /// fraction of the depth), and with the angle between normals, as a power of its cosine.
 fn likeness(around: SurfaceAround, other: vec2<i32>, plane: f32, power: f32) -> f32 {

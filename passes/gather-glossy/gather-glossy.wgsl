@@ -47,6 +47,10 @@ struct Settings {
     /// How far lobes are widened, in angular radii of the disc that a light stands for. 0: not at all, so that a mirror shows each
     /// light as a dot, or not. Less with more lights. [default: 1.0, min: 0.0, max: 100.0]
     widening: f32,
+    /// The pixels of one surface in the window of the interleaving below which a pixel takes all lights, itself counted: at edges and on
+    /// thin objects, where filters cannot find the subsets that it lacks. 0 or 1: none does. More: less noise there, and more time.
+    /// [default: 3, min: 0, max: 256]
+    complete_below: u32,
     irradiance_interleave_x: u32,
     irradiance_interleave_y: u32,
     /// The lights of each subset that this dispatch takes: `begin` to `end`.

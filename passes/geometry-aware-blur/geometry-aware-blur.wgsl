@@ -82,10 +82,7 @@ fn average(values: texture_2d<f32>, pixel: vec2<u32>, window: vec2<u32>) -> vec4
             if any(other >= settings.view_size) {
                 continue;
             }
-            let other_depth = textureLoad(view_depth, other, 0).x;
-            let off = off_plane(around, vec2(column, row), other_depth);
-            let along = dot(normal, textureLoad(view_normal, other, 0).xyz);
-            if other_depth <= 0.0 || off > settings.alpha || along < settings.beta {
+            if !is_same_surface(around, vec2(column, row), settings.alpha, settings.beta) {
                 continue;
             }
             let weight = window_weight(x, window.x) * row_weight;

@@ -22,6 +22,11 @@ impl View {
     }
 
     fn at_depth(&self, lights: &[VirtualLight], depth: f32) -> Harness<'static> {
+        self.over(lights, move |_, _| depth)
+    }
+
+    /// Over surfaces at the depth of each pixel \[m\].
+    fn over(&self, lights: &[VirtualLight], depth: impl Fn(u32, u32) -> f32) -> Harness<'static> {
         let camera = scene::Camera {
             position: Vec3::new(0.0, 2.0, 0.0),
             target: Vec3::ZERO,
@@ -40,7 +45,7 @@ impl View {
         Harness::new(gather::PASS)
             .frame(self.width, self.height)
             .scene("plane")
-            .view(|_, _| (depth, [0.0, 1.0, 0.0]))
+            .view(|x, y| (depth(x, y), [0.0, 1.0, 0.0]))
             .camera(camera)
             .lights(&lights)
     }
@@ -237,6 +242,7 @@ fn each_sub_image_sums_its_subset() {
                 .set("geometry", geometry_of)
                 .set("clamp", 0.2)
                 .set("area_bound", radii)
+                .set("complete_below", 0)
                 .run();
             let Some(outputs) = outputs else { return };
             // A block is no larger than the frame.
@@ -282,19 +288,65 @@ fn the_mean_over_the_sub_images_is_the_sum_over_all_lights() {
     }
 }
 
+/// A view of surfaces at several depths: half of a window sees another than its pixel, a third lies alone, and so do the corners.
+fn depth_of_steps(x: u32, y: u32) -> f32 {
+    match (x, y) {
+        (9, _) => 1.0,
+        (5..=6, 6) => 1.5,
+        (0..=3, _) => 3.0,
+        (19, 3) => 0.0,
+        _ => 2.0,
+    }
+}
+
+#[test]
+fn pixels_without_enough_of_their_surface_around_them_take_all_lights() {
+    let view = View { width: 21, height: 13, fov: 0.8 };
+    for (n, m, count) in [(4, 2, 61), (8, 8, 130), (3, 5, 7), (1, 16, 40)] {
+        let lights = lights(count);
+        let run = |n: u32, m: u32, below: u32| {
+            let harness = view.over(&lights, depth_of_steps).set("interleave_x", n).set("interleave_y", m);
+            Some(read(&harness.set("complete_below", below).run()?))
+        };
+        let (Some(all), Some(own)) = (run(1, 1, 0), run(n, m, 0)) else { return };
+        for below in [1, 2, 3, 4, 6, 40, 256] {
+            let got = run(n, m, below).unwrap();
+            let (reach_x, reach_y) = (n.min(21) / 2, m.min(13) / 2);
+            for ((x, y), got) in view.pixels().zip(got) {
+                let depth = depth_of_steps(x, y);
+                let around = view.pixels().filter(|&(u, v)| {
+                    u.abs_diff(x) <= reach_x && v.abs_diff(y) <= reach_y && depth_of_steps(u, v) == depth
+                });
+                let is_alone = depth > 0.0 && around.count() < below as usize;
+                let wanted = if is_alone { &all } else { &own }[(y * view.width + x) as usize];
+                for (got, wanted) in got.into_iter().zip(wanted) {
+                    assert!(
+                        (got - wanted).abs() <= 1e-5 * wanted,
+                        "({x}, {y}) of {n}×{m} below {below}: {got} for {wanted}"
+                    );
+                }
+            }
+        }
+    }
+}
+
 /// More lights than one dispatch may take: drivers end loops that go on for too long.
 #[test]
 fn many_lights_take_several_dispatches() {
     let view = View { width: 9, height: 5, fov: 0.8 };
     let light = lights(1)[0];
-    let run = |count: usize| {
-        let lights = vec![light; count];
-        Some(read(&view.harness(&lights).set("interleave_x", 1).set("interleave_y", 1).run()?))
+    let run = |count: usize, interleave: u32| {
+        let harness = view.harness(&vec![light; count]).set("interleave_x", interleave);
+        // With sub-images, all pixels take all lights.
+        let harness = harness.set("interleave_y", interleave).set("complete_below", 256);
+        Some(read(&harness.run()?))
     };
-    let (Some(one), Some(many)) = (run(1), run(70_000)) else { return };
-    for (one, many) in one.iter().zip(&many) {
-        // So many roundings of a growing sum add up to a thousandth.
-        assert!((many[0] / one[0] / 70_000.0 - 1.0).abs() < 2e-3, "{many:?} for 70,000 times {one:?}");
+    for interleave in [1, 3] {
+        let (Some(one), Some(many)) = (run(1, 1), run(70_000, interleave)) else { return };
+        for (one, many) in one.iter().zip(&many) {
+            // So many roundings of a growing sum add up to a thousandth.
+            assert!((many[0] / one[0] / 70_000.0 - 1.0).abs() < 2e-3, "{many:?} for 70,000 times {one:?}");
+        }
     }
 }
 
