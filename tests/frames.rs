@@ -71,7 +71,9 @@ fn only_what_changed_runs() {
     let ran = |report: &renderer::FrameReport| -> Vec<String> {
         names.iter().zip(&report.ran).filter(|(_, ran)| **ran).map(|(name, _)| name.clone()).collect()
     };
-    assert_eq!(ran(renderer.frame().unwrap()), names, "the first frame runs everything");
+    // Hands maps on to those who look them up, and has nothing to run.
+    let with_steps: Vec<_> = names.iter().filter(|name| *name != "shadows/settle").cloned().collect();
+    assert_eq!(ran(renderer.frame().unwrap()), with_steps, "the first frame runs everything");
     assert_eq!(ran(renderer.frame().unwrap()), Vec::<String>::new(), "nothing has changed");
     let still = bits(&renderer.output("image").unwrap());
     let camera = renderer.scene().camera;

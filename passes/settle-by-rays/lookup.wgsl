@@ -1,5 +1,8 @@
 // Visibility by an atlas of maps of the distance where they are sure, and by rays elsewhere.
 
+#option LIT edges one_of [believed, edges, all] // Which receivers a ray decides of that lie before all that their texel
+    // has. believed: none. edges: those with something nearer in a texel beside theirs. all: all of them.
+
 #import "atlas-lookup.wgsl"
 #import "light-ray.wgsl"
 
@@ -10,6 +13,23 @@ struct VisibilityFacts {
 }
 
 var<uniform> visibility_facts: VisibilityFacts;
+
+#if LIT == edges
+const NEIGHBOURS = array(vec2(-1, 0), vec2(1, 0), vec2(0, -1), vec2(0, 1));
+
+/// Whether something nearer than the receiver's plane is in a texel beside this one.
+fn is_at_edge(lookup: ParaboloidLookup, index: u32, texel: vec2<u32>) -> bool {
+    let tile = visibility_facts.atlas.tile;
+    let origin = origin_in_atlas(index);
+    var neighbours = NEIGHBOURS;
+    var hides = false;
+    for (var n = 0u; n < 4u; n++) {
+        let other = vec2<u32>(clamp(vec2<i32>(texel) + neighbours[n], vec2(0), vec2(i32(tile) - 1)));
+        hides |= !is_seen(lookup, other, tile, stored_in_atlas(origin, other));
+    }
+    return hides;
+}
+#endif
 
 fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32 {
     let lookup = atlas_lookup(light, at, normal);
@@ -27,6 +47,16 @@ fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec
     if abs(own - stored) <= lookup.bias {
         return 1.0;
     }
-    let reach = select(FAR, doubt, stored < own);
+    var reach = doubt;
+    if stored > own {
+#if LIT == believed
+        return 1.0;
+#elif LIT == edges
+        if !is_at_edge(lookup, index, texel) {
+            return 1.0;
+        }
+#endif
+        reach = FAR;
+    }
     return select(0.0, 1.0, is_free(light, at, normal, reach));
 }

@@ -1,8 +1,8 @@
 // Settles lookups of shadow maps by rays where the map cannot tell.
 //
-// A map is sure of two things: that a receiver is lit whose own surface is in the texel, and that one is hidden that lies far behind
-// what is there. In between lies what is near the receiver, which a ray along that stretch decides; and where the texel has a
-// hole or something farther away, the whole ray.
+// A map is sure that a receiver is lit whose own surface is in the texel, and that one is hidden that lies far behind what is there.
+// Of what lies little behind it, a ray along that stretch decides. What lies before it is lit, as far as the map tells: a ray all the
+// way decides where that is not believed.
 
 #input maps: Visibility with atlas // An atlas of depth maps.
 #output visibility: Visibility(

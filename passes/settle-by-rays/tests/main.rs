@@ -12,9 +12,10 @@ fn every_variant_of_the_shaders_is_valid() {
     pass_test::assert_shaders_are_valid(settle_by_rays::PASS);
 }
 
-/// The least and the greatest answer of a module at receivers of a light whose map stores `stored` times their distance. The
-/// scene is a square in the plane y = 0, towards which the light looks from y = `light` [m].
-fn answers(module: &str, light: f64, stored: f64) -> Option<(f32, f32)> {
+/// The least and the greatest answer of a module at receivers of a light whose map stores `stored` times their distance, one in
+/// the black and the other in the white squares of a chessboard. The scene is a square in the plane y = 0, towards which the light looks
+/// from y = `light` [m]; receivers are on it, or as far behind it.
+fn answers(module: &str, light: f64, stored: [f64; 2], is_behind: bool) -> Option<(f32, f32)> {
     let towards = -light.signum();
     let given = VirtualLight {
         position: [0.0, light as f32, 0.0],
@@ -22,8 +23,7 @@ fn answers(module: &str, light: f64, stored: f64) -> Option<(f32, f32)> {
         flux: [1.0; 3],
         ..VirtualLight::default()
     };
-    // On the square or, where the map is empty, as far behind it.
-    let height = if stored > 1e30 { -light } else { 0.0 };
+    let height = if is_behind { -light } else { 0.0 };
     let depth = (height - light).abs();
     let places = (0..64).map(direction).filter(|direction| direction.z > 0.8);
     let receivers: Vec<Receiver> = places
@@ -34,8 +34,10 @@ fn answers(module: &str, light: f64, stored: f64) -> Option<(f32, f32)> {
         })
         .collect();
     assert!(receivers.len() > 5, "{} receivers", receivers.len());
-    let map = map_of(TILE, |direction| Some((depth / direction.z * stored).min(3e38)));
-    let map: Vec<f32> = map.into_iter().map(|distance| distance as f32).collect();
+    let map = map_of(TILE, |direction| Some(depth / direction.z));
+    let colour = |texel: usize| (texel + texel / TILE as usize) % 2;
+    let map: Vec<f32> =
+        map.iter().enumerate().map(|(i, distance)| (distance * stored[colour(i)]).min(3e38) as f32).collect();
     let facts = [("tile", TILE), ("columns", 1), ("rows", 1)];
     let outputs = lookups(&[given], &receivers)
         .scene("plane")
@@ -54,17 +56,19 @@ fn answers(module: &str, light: f64, stored: f64) -> Option<(f32, f32)> {
 #[test]
 fn rays_decide_what_maps_cannot_tell() {
     // A texel is 0.125 m wide at 1 m.
-    for (what, stored, by_map, settled) in [
-        ("the receiver's own surface", 1.0, 1.0, 1.0),
-        ("what is not there, less than three texels before it", 0.8, 0.0, 1.0),
-        ("what is not there, four texels before it", 0.5, 0.0, 0.0),
-        ("nothing, with the square in between", 1e38, 1.0, 0.0),
+    for (what, stored, is_behind, by_map, settled) in [
+        ("the receiver's own surface", [1.0, 1.0], false, (1.0, 1.0), (1.0, 1.0)),
+        ("what is not there, less than three texels before it", [0.8, 0.8], false, (0.0, 0.0), (1.0, 1.0)),
+        ("what is not there, four texels before it", [0.5, 0.5], false, (0.0, 0.0), (0.0, 0.0)),
+        ("what is not there, and nothing beside it", [0.5, 1e38], false, (0.0, 1.0), (0.0, 1.0)),
+        ("what is in between, and nothing beside it", [0.5, 1e38], true, (0.0, 1.0), (0.0, 0.0)),
+        ("nothing, of what is in between", [1e38, 1e38], true, (1.0, 1.0), (1.0, 1.0)),
     ] {
         for light in [1.0, -1.0] {
-            let Some(found) = answers(BY_MAP, light, stored) else { return };
-            assert_eq!(found, (by_map, by_map), "the map stores {what}, light at {light}");
-            let found = answers(SETTLED, light, stored).expect("the adapter is still there");
-            assert_eq!(found, (settled, settled), "settled, the map stores {what}, light at {light}");
+            let Some(found) = answers(BY_MAP, light, stored, is_behind) else { return };
+            assert_eq!(found, by_map, "the map stores {what}, light at {light}");
+            let found = answers(SETTLED, light, stored, is_behind).expect("the adapter is still there");
+            assert_eq!(found, settled, "settled, the map stores {what}, light at {light}");
         }
     }
 }
