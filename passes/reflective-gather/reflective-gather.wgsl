@@ -262,10 +262,7 @@ fn interpolate(@builtin(global_invocation_id) id: vec3<u32>) {
         let is_after = vec2(corner % 2u == 1u, corner / 2u == 1u);
         let texel = select(before, after, is_after);
         let other = pixel_of(texel);
-        let other_depth = textureLoad(view_depth, other, 0).x;
-        let off = off_plane(around, vec2<i32>(other), other_depth);
-        let along = dot(normal, textureLoad(view_normal, other, 0).xyz);
-        if other_depth <= 0.0 || off > settings.plane || along < settings.cosine {
+        if !is_same_surface(around, vec2<i32>(other), settings.plane, settings.cosine) {
             continue;
         }
         let shares = select(1.0 - share, share, is_after);
