@@ -230,12 +230,9 @@ fn pixel_of_list(group: vec3<u32>, place: u32) -> vec2<u32> {
     return group.xy * GROUP_SIDE + vec2(index % GROUP_SIDE, index / GROUP_SIDE);
 }
 
-/// Whether a pixel sees a surface that too few other pixels of the window of the interleaving see. The window and what counts as
+/// Whether a pixel sees a surface that too few pixels of the window of the interleaving see. The window and what counts as
 /// the same surface are those of geometry-aware-blur.
 fn is_alone(pixel: vec2<u32>, interleave: vec2<u32>) -> bool {
-    if any(pixel >= settings.view_size) {
-        return false;
-    }
     let place = place_at(pixel);
     if !place.seen {
         return false;
@@ -243,17 +240,17 @@ fn is_alone(pixel: vec2<u32>, interleave: vec2<u32>) -> bool {
     let depth = textureLoad(view_depth, pixel, 0).x;
     let around = surface_around(pixel, settings.view_size, depth, place.normal);
     let reach = vec2<i32>(interleave) / 2;
-    var others = 0u;
+    var alike = 0u;
     for (var y = -reach.y; y <= reach.y; y++) {
         for (var x = -reach.x; x <= reach.x; x++) {
             let other = vec2<i32>(pixel) + vec2(x, y);
             // As unsigned numbers, negative ones are large.
             if all(vec2<u32>(other) < settings.view_size) {
-                others += select(0u, 1u, is_same_surface(around, other, SAME_PLANE, SAME_NORMAL));
+                alike += select(0u, 1u, is_same_surface(around, other, SAME_PLANE, SAME_NORMAL));
             }
         }
     }
-    return others < settings.complete_below;
+    return alike < settings.complete_below;
 }
 
 /// What a light gives at a pixel.

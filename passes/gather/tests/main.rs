@@ -288,7 +288,7 @@ fn the_mean_over_the_sub_images_is_the_sum_over_all_lights() {
     }
 }
 
-/// A view of surfaces at several depths: half of a window sees another than its pixel, a third lies alone, and so do the corners.
+/// The depths of surfaces one beside the other \[m\]: broad ones, a column of one pixel, two pixels, and one pixel of nothing.
 fn depth_of_steps(x: u32, y: u32) -> f32 {
     match (x, y) {
         (9, _) => 1.0,
