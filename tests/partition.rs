@@ -48,7 +48,7 @@ fn a_furnace_has_the_flux_of_its_walls() {
 #[test]
 #[ignore = "slow"]
 fn a_furnace_has_the_flux_of_its_walls_after_many_iterations() {
-    assert_furnace_keeps_its_flux(&[100, 400]);
+    assert_furnace_keeps_its_flux(&[300]);
 }
 
 /// A floor under a black ceiling, 1 m above it.
@@ -102,12 +102,12 @@ fn no_flux_goes_through_a_thin_wall() {
     assert!(behind == 0.0 && before > 1.0, "{behind} W from behind, {before} W from before");
 }
 
-fn assert_flux_of_photons(cases: &[(u32, &str)]) {
+fn assert_flux_of_photons(cases: &[(u32, &[&str])]) {
     let Some(expected) = flux_of_photons() else { return };
     for (iterations, more) in cases {
-        let found = flux("smc-ir", None, *iterations, &[more]).expect("the adapter is still there");
+        let found = flux("smc-ir", None, *iterations, more).expect("the adapter is still there");
         let ratio = found / expected;
-        assert!((ratio - 1.0).abs() < 0.02, "{iterations} iterations, {more}: {ratio}");
+        assert!((ratio - 1.0).abs() < 0.02, "{iterations} iterations, {more:?}: {ratio}");
     }
 }
 
@@ -115,7 +115,11 @@ fn assert_flux_of_photons(cases: &[(u32, &str)]) {
 /// quarter and more.
 #[test]
 fn the_flux_is_that_of_photons() {
-    assert_flux_of_photons(&[(40, "lights/vpls.rate=16"), (30, "lights/vpls.rate=64"), (10, "lights=512")]);
+    assert_flux_of_photons(&[
+        (40, &["lights/vpls.rate=16"]),
+        (30, &["lights/vpls.rate=64"]),
+        (10, &["lights=512"]),
+    ]);
     let Some(expected) = flux_of_photons() else { return };
     let letter = flux("smc-ir-2016", None, 40, &[]).expect("the adapter is still there") / expected;
     assert!(letter > 1.25, "{letter} by the letter of the paper");
@@ -124,7 +128,10 @@ fn the_flux_is_that_of_photons() {
 #[test]
 #[ignore = "slow"]
 fn the_flux_is_that_of_photons_after_many_iterations() {
-    let rates = ["lights/vpls.rate=1", "lights/vpls.rate=4", "lights/vpls.rate=16", "lights/vpls.rate=64"];
-    assert_flux_of_photons(&rates.map(|rate| (100, rate)));
-    assert_flux_of_photons(&[(400, "lights/vpls.rate=16"), (100, "moved=64"), (100, "moved=0")]);
+    assert_flux_of_photons(&[
+        (100, &["lights/vpls.rate=1"]),
+        (400, &["lights/vpls.rate=16"]),
+        (100, &["lights/vpls.rate=4", "moved=64"]),
+        (100, &["lights/vpls.rate=4", "moved=0"]),
+    ]);
 }

@@ -44,9 +44,12 @@ fn any_numbers_of_lights_give_a_finite_picture() {
     }
 }
 
+/// Enough to replace each of some hundred lights, eight at a time, twice.
+const FEW_ITERATIONS: &[&str] = &["lights/replacement.warm_up=32", "interleave_x=1", "interleave_y=1"];
+
 /// A renderer of the maze with 64 lights, of which eight are replaced in a frame.
 fn maze(pipeline: &str, frame: u32) -> Option<Renderer> {
-    let values = ["lights=64", "moved=8", "map=16", "interleave_x=1", "interleave_y=1"];
+    let values = [FEW_ITERATIONS, &["lights=64", "moved=8", "map=16"]].concat();
     let mut renderer = renderer(pipeline, "maze", (48, 36), &values)?;
     renderer.set_frame_index(frame);
     lights(&mut renderer);
@@ -82,7 +85,7 @@ fn the_light_of_another_room_is_there_after_some_frames() {
 #[test]
 #[ignore = "slow"]
 fn lights_follow_geometry_that_deforms() {
-    let values = ["lights=128", "moved=8", "map=16", "interleave_x=1", "interleave_y=1"];
+    let values = [FEW_ITERATIONS, &["lights=128", "moved=8", "map=16"]].concat();
     for pipeline in PIPELINES {
         let at = |frame: u32| -> Option<Renderer> {
             let mut renderer = renderer(pipeline, "cornell-box-cloth", (32, 32), &values)?;

@@ -189,9 +189,24 @@ fn mistakes_are_reported_before_anything_runs() {
     }
 }
 
+/// Studies of many pipelines, or of ones that iterate before their first frame.
+fn takes_long(name: &str) -> bool {
+    name.contains("smc-ir") || name.starts_with("approximations-") || name == "speed-against-accuracy"
+}
+
 /// Every study of the tree, whole but for its sizes.
 #[test]
 fn the_trees_studies_run_in_miniature() {
+    run_in_miniature(|name| !takes_long(name));
+}
+
+#[test]
+#[ignore = "slow"]
+fn the_trees_long_studies_run_in_miniature() {
+    run_in_miniature(takes_long);
+}
+
+fn run_in_miniature(wanted: fn(&str) -> bool) {
     if gpu().is_none() {
         return;
     }
@@ -200,6 +215,7 @@ fn the_trees_studies_run_in_miniature() {
     let names: Vec<String> = studies
         .filter(|path| path.extension().is_some_and(|extension| extension == "ron"))
         .map(|path| path.file_stem().unwrap().to_string_lossy().into_owned())
+        .filter(|name| wanted(name))
         .collect();
     assert!(names.len() >= 3, "{names:?}");
     for name in names {
@@ -212,6 +228,12 @@ fn the_trees_studies_run_in_miniature() {
         let own_points = ["ism-fig-10", "ism-fig-11"].contains(&&*name);
         if own_points {
             arguments.extend(["--set", "points_per_map=256"]);
+        }
+        // All pipelines of these iterate.
+        let iterates =
+            ["approximations-smc-ir", "smc-ir-fig-8", "smc-ir-fig-10", "smc-ir-tab-1", "smc-ir-tab-2"];
+        if iterates.contains(&&*name) {
+            arguments.extend(["--set", "lights/replacement.warm_up=4"]);
         }
         // Rays, exact maps and what casts no shadow need no points.
         let pointless = ["approximations", "near-field", "acrsm-fig-3-10", "acrsm-fig-6-1"];

@@ -151,7 +151,7 @@ fn virtual_lights_converge_to_clamped_paths() {
 }
 
 /// The mean over squares of pixels, as a smaller picture has it.
-fn shrunk(image: &Image, by: usize) -> Image {
+pub(crate) fn shrunk(image: &Image, by: usize) -> Image {
     let area = (by * by) as f32;
     Image::from_fn(image.width() / by, image.height() / by, |x, y| {
         let mut sum = [0.0; 4];

@@ -16,7 +16,13 @@ fn every_pass_runs_in_every_frame_where_that_is_asked_for() {
     let frames = a(harness.state()).frames;
     harness.state().engine.send(Command::RunEverything(true));
     pump(&mut harness, |app| a(app).frames > frames + 5 && a(app).ran.iter().all(|ran| *ran));
-    pump(&mut harness, |app| a(app).times.iter().all(|times| times.all().len() > 3));
+    // A pass without a step of its own, such as the lookups of settled maps, takes no time.
+    let steps = a(harness.state()).steps.clone();
+    assert!(steps.iter().filter(|steps| steps.is_empty()).count() <= 1);
+    pump(&mut harness, |app| {
+        let times = &a(app).times;
+        std::iter::zip(&*steps, &**times).all(|(steps, times)| steps.is_empty() || times.all().len() > 3)
+    });
     harness.state().engine.send(Command::RunEverything(false));
     pump(&mut harness, |app| a(app).idle);
 }

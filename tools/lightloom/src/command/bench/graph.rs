@@ -24,7 +24,7 @@ pub(super) fn chain(count: u32) -> String {
     "view": Pass(kind: "gbuffer"),
     "rsm": Pass(kind: "reflective-shadow-map", set: { "size": 16 }),
     "lights": Pass(kind: "sample-uniform", in: { "rsm": "rsm" }, set: { "count": 16 }),
-    "blur-4": Pass(kind: "gather", in: { "view": "view", "lights": "lights" }),
+    "blur-4": Pass(kind: "gather", in: { "view": "view", "lights": "lights" }, set: { "complete_below": 0 }),
 "#,
     );
     for i in 5..=count {
