@@ -174,7 +174,7 @@ impl Executor {
             self.seed = seed;
             let uniforms = self.loaded.as_ref().and_then(|loaded| loaded.uniforms.as_ref());
             let seeded = uniforms.into_iter().flat_map(Uniforms::seeded_passes);
-            self.pending.again.extend(seeded);
+            self.pending.reseeded.extend(seeded);
         }
     }
 

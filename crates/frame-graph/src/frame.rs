@@ -25,6 +25,8 @@ pub struct Change {
     pub values: Vec<PassId>,
     /// Passes that are to run again for another reason.
     pub again: Vec<PassId>,
+    /// Passes whose random numbers are others. Where the frame is another sample, nothing has moved.
+    pub reseeded: Vec<PassId>,
     /// Events that may reset history buffers.
     pub events: Vec<ResetCause>,
     /// Whether everything runs, even if nothing has changed: for measurements.
@@ -39,8 +41,14 @@ impl Change {
         self.passes.extend_from_slice(&other.passes);
         self.values.extend_from_slice(&other.values);
         self.again.extend_from_slice(&other.again);
+        self.reseeded.extend_from_slice(&other.reseeded);
         self.events.extend_from_slice(&other.events);
         self.all |= other.all;
+    }
+
+    /// Returns whether the frame is another sample than the one before.
+    fn is_sample(&self) -> bool {
+        self.resampled != SceneBindings::NONE
     }
 
     /// Removes all changes, and keeps the memory for the next frame.
@@ -50,6 +58,7 @@ impl Change {
         self.passes.clear();
         self.values.clear();
         self.again.clear();
+        self.reseeded.clear();
         self.events.clear();
         self.all = false;
     }
@@ -348,7 +357,13 @@ impl FrameState {
         first: bool,
         runs: &mut Vec<bool>,
     ) {
-        let changed = asked(plan, change, first, runs);
+        // Where all rests, the picture has samples enough.
+        let takes_sample = !change.is_sample() || !self.all_rest();
+        asked(plan, change, first, takes_sample, runs);
+        let mut changed = change.scene_bindings.and(SceneBindings::FRAME);
+        if takes_sample {
+            changed = changed.and(change.resampled);
+        }
         runs.iter_mut().for_each(|runs| *runs |= change.all);
         for (i, pass) in plan.passes.iter().enumerate() {
             if self.writes_of(i).is_empty() {
@@ -425,16 +440,16 @@ impl FrameState {
     }
 }
 
-/// Marks the passes that a change asks for by name, or all at first; returns the scene bindings that changed.
-fn asked(plan: &Plan, change: &Change, first: bool, runs: &mut Vec<bool>) -> SceneBindings {
+/// Marks the passes that a change asks for by name, those with other random numbers if these are wanted; or all at first.
+fn asked(plan: &Plan, change: &Change, first: bool, reseeded: bool, runs: &mut Vec<bool>) {
     runs.clear();
     runs.resize(plan.passes.len(), first);
-    for pass in change.passes.iter().chain(&change.values).chain(&change.again) {
+    let reseeded = if reseeded { &change.reseeded[..] } else { &[] };
+    for pass in change.passes.iter().chain(&change.values).chain(&change.again).chain(reseeded) {
         if let Some(run) = runs.get_mut(pass.0 as usize) {
             *run = true;
         }
     }
-    change.scene_bindings.and(change.resampled).and(SceneBindings::FRAME)
 }
 
 /// For each pass, whether it is one of these or reads, now or of the past, what follows from one. Empty where none

@@ -406,6 +406,7 @@ struct Differences {
 fn follow(pending: &mut Change, old: &Plan, new: &Plan) {
     // All passes run anyway.
     pending.again.clear();
+    pending.reseeded.clear();
     let found = pending.passes.iter().filter_map(|id| new.pass(&old.passes[id.0 as usize].name));
     pending.passes = found.collect();
 }

@@ -2,6 +2,7 @@
 
 use super::{Change, FrameState, ReadFrom, ResetCause, asked};
 use crate::plan::Plan;
+use crate::port::SceneBindings;
 
 impl FrameState {
     /// Finds which history buffers rest: those that follow, for long enough, from nothing new but each other.
@@ -24,6 +25,15 @@ impl FrameState {
         }
         // One that does not rest yet is news for those that do.
         self.wake(plan, change, resets, first);
+        // Another sample is news for all, unless all rest.
+        if change.is_sample() && !self.all_rest() {
+            self.histories.iter_mut().for_each(|held| held.rests = false);
+        }
+    }
+
+    /// Returns whether there are history buffers, and all of them rest.
+    pub(super) fn all_rest(&self) -> bool {
+        !self.histories.is_empty() && self.histories.iter().all(|held| held.rests)
     }
 
     /// Returns whether what is read is a history buffer at rest.
@@ -35,7 +45,8 @@ impl FrameState {
     fn wake(&mut self, plan: &Plan, change: &Change, resets: &[Option<ResetCause>], first: bool) {
         let mut moved = std::mem::take(&mut self.moved);
         loop {
-            let changed = asked(plan, change, first, &mut moved);
+            asked(plan, change, first, !change.is_sample(), &mut moved);
+            let changed = change.scene_bindings.and(SceneBindings::FRAME);
             for (i, pass) in plan.passes.iter().enumerate() {
                 let follows =
                     |at: usize| matches!(self.reads[at].from, ReadFrom::Pass(p) if moved[p.0 as usize]);

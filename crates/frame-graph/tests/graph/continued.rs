@@ -2,7 +2,7 @@
 
 use super::handed::{plan, plan_with};
 use frame_graph::plan::{Begins, HistoryId, Plan};
-use frame_graph::{Change, CompileOptions, FrameState};
+use frame_graph::{Change, CompileOptions, FrameState, SceneBindings};
 
 const STATE: &str = r#"
     "noise": Pass(kind: "noise"),
@@ -98,6 +98,25 @@ fn a_loop_rests_while_nothing_changes() {
     assert_eq!((changed.0, changed.1), (vec![true; 2], 4));
     assert_ne!(changed.2, frames[3].2);
     assert!(run(&nothing).0[1]);
+}
+
+/// Frames that are samples of one picture go on until all that keeps them rests; a seed that is set once is news.
+#[test]
+fn samples_end_where_all_rests() {
+    let passes = STATE.replace("reset: [Cut]", "reset: [Cut], rest: 3").replace("\"noise\")", "\"gbuffer\")");
+    let plan = plan(&passes, r#""a": "state""#);
+    let (mut state, reseeded) = (FrameState::new(&plan), vec![plan.pass("noise").unwrap()]);
+    let mut run = |change: &Change| state.begin(&plan, change).runs.clone();
+    let sample = Change { resampled: SceneBindings::CAMERA, reseeded: reseeded.clone(), ..Change::default() };
+    let frames: Vec<_> = (0..6).map(|_| run(&sample)).collect();
+    assert!(frames[..4].iter().all(|runs| *runs == [true, true]), "{frames:?}");
+    assert!(frames[4..].iter().all(|runs| *runs == [false, false]), "{frames:?}");
+    let moved = Change { scene_bindings: SceneBindings::CAMERA, ..sample.clone() };
+    assert_eq!(run(&moved), [true, true]);
+    assert_eq!(run(&sample), [true, true], "it goes on for as many frames again");
+    let still: Vec<_> = (0..4).map(|_| run(&sample)).collect();
+    assert_eq!(still[3], [false, false]);
+    assert_eq!(run(&Change { reseeded, ..Change::default() }), [true, true]);
 }
 
 /// Runs a plan until it rests; returns its state, and what runs in a frame for which the passes of these names are to run again.

@@ -329,8 +329,9 @@ proptest! {
             }
             let all = [ResetCause::Resize, ResetCause::Cut, ResetCause::Scene, ResetCause::Reload];
             let events: Vec<ResetCause> = step.event.map(|e| all[e as usize]).into_iter().collect();
-            // Both ways to change make what reads them run; only what moves resets.
+            // Both ways to change make what reads them run; only what moves resets. Where all rests, a sample is not taken.
             let (moved, resampled) = match number % 2 {
+                _ if rests => (SceneBindings(step.scene_bindings), SceneBindings::NONE),
                 0 => (SceneBindings(step.scene_bindings), SceneBindings::NONE),
                 _ => (SceneBindings::NONE, SceneBindings(step.scene_bindings)),
             };
@@ -343,7 +344,7 @@ proptest! {
                 values: if number % 3 == 1 { reported.clone() } else { Vec::new() },
                 again: if number % 3 == 2 { reported } else { Vec::new() },
                 events: events.clone(),
-                all: false,
+                ..Change::default()
             };
             let schedule = state.begin(&plan, &change);
             let resets: Vec<bool> = plan.histories.iter().map(|h| number == 0 || h.reset.iter().any(|r| events.contains(r))).collect();
