@@ -33,6 +33,7 @@ mod reflective;
 mod reload;
 mod rendered;
 mod reports;
+mod reprojected;
 mod rerun;
 mod sequential;
 mod skies;

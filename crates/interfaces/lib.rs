@@ -11,6 +11,7 @@ pub mod counters;
 pub mod density;
 pub mod depth_atlas;
 pub mod display;
+pub mod frame_mean;
 pub mod gbuffer;
 pub mod importance;
 pub mod irradiance;
@@ -22,6 +23,8 @@ pub mod radiance;
 pub mod radiance_mean;
 pub mod radiosity;
 pub mod reflective_shadow_map;
+pub mod reprojection;
+pub mod seen_surfaces;
 pub mod stands;
 pub mod surface_points;
 pub mod virtual_lights;
@@ -52,6 +55,9 @@ pub static INTERFACES: &[Interface] = &[
     path_samples::INTERFACE,
     radiance::INTERFACE,
     radiance_mean::INTERFACE,
+    seen_surfaces::INTERFACE,
+    reprojection::INTERFACE,
+    frame_mean::INTERFACE,
     display::INTERFACE,
 ];
 

@@ -1,0 +1,77 @@
+// The mean of the frames before at the place where a pixel's surface was. [Nehab et al. 2007]
+
+var reprojection_place: texture_2d<f32>;
+var reprojection_texels: texture_2d<u32>;
+var past_value: texture_2d<f32>;
+var past_frames: texture_2d<f32>;
+
+/// A mean of frames before, and the number of frames; 0 where there is none.
+struct MeanBefore {
+    value: vec4<f32>,
+    frames: f32,
+}
+
+/// The least weight of texels that count as a mean.
+const LEAST_WEIGHT: f32 = 0.01;
+
+/// The weights of four texels in a row, by how far the place is from the second to the third. [Keys 1981, a = -1/2]
+fn cubic_weights(share: f32) -> vec4<f32> {
+    let s = share;
+    let r = 1.0 - share;
+    return vec4(-0.5 * s * r * r, 1.0 + s * s * (1.5 * s - 2.5), 1.0 + r * r * (1.5 * r - 2.5), -0.5 * r * s * s);
+}
+
+/// The mean before at a pixel. It is interpolated among the texels that show the pixel's surface, by a cubic where all do.
+fn mean_before(pixel: vec2<u32>) -> MeanBefore {
+    let texels = textureLoad(reprojection_texels, pixel, 0).x;
+    let place = textureLoad(reprojection_place, pixel, 0).xy;
+    let first = vec2<i32>(floor(place - 0.5));
+    let share = place - 0.5 - vec2<f32>(first);
+    var linear = vec4(0.0);
+    var frames = 0.0;
+    var weights = 0.0;
+    var least = vec4(FAR);
+    var most = vec4(-FAR);
+    for (var t = 0u; t < 4u; t++) {
+        let at = vec2(t & 1u, t >> 1u);
+        let by_side = select(1.0 - share, share, at == vec2(1u));
+        let weight = by_side.x * by_side.y;
+        if (texels & (1u << t)) == 0u || weight <= 0.0 {
+            continue;
+        }
+        let texel = first + vec2<i32>(at);
+        let found = textureLoad(past_value, texel, 0);
+        linear += weight * found;
+        frames += weight * textureLoad(past_frames, texel, 0).x;
+        weights += weight;
+        least = min(least, found);
+        most = max(most, found);
+    }
+    if weights < LEAST_WEIGHT {
+        return MeanBefore(vec4(0.0), 0.0);
+    }
+    let size = vec2<i32>(textureDimensions(past_value));
+    if (texels & ALL_TEXELS) != ALL_TEXELS || all(share == vec2(0.0)) || any(first < vec2(1)) || any(first + 2 >= size) {
+        return MeanBefore(linear / weights, frames / weights);
+    }
+    let columns = cubic_weights(share.x);
+    let rows = cubic_weights(share.y);
+    var cubic = vec4(0.0);
+    for (var y = 0; y < 4; y++) {
+        for (var x = 0; x < 4; x++) {
+            cubic += columns[x] * rows[y] * textureLoad(past_value, first + vec2(x - 1, y - 1), 0);
+        }
+    }
+    // A cubic overshoots at edges.
+    return MeanBefore(clamp(cubic, least, most), frames);
+}
+
+const FAR: f32 = 3e38;
+/// The bits of `texels` for all four, and for a frame in which nothing has moved.
+const ALL_TEXELS: u32 = 15u;
+const STANDS_STILL: u32 = 16u;
+
+/// Whether neither camera nor lights nor geometry have moved since the frame before.
+fn stands_still() -> bool {
+    return (textureLoad(reprojection_texels, vec2(0u), 0).x & STANDS_STILL) != 0u;
+}
