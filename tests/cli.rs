@@ -147,8 +147,14 @@ fn mistakes_are_reported() {
 }
 
 #[test]
-fn everything_built_in_is_checked_for_a_scene_without_a_gpu() {
-    assert_all_is_good(&["check", "--scene", "cornell-box"]);
+fn every_pipeline_is_checked_for_a_scene_without_a_gpu() {
+    let files = std::fs::read_dir(root().join("pipelines")).unwrap().flatten().map(|entry| entry.path());
+    let pipelines: Vec<String> = files
+        .filter(|path| path.extension().is_some_and(|extension| extension == "ron"))
+        .map(|path| path.file_stem().unwrap().to_string_lossy().into_owned())
+        .collect();
+    let names = pipelines.iter().map(String::as_str);
+    assert_all_is_good(&["check", "--scene", "cornell-box"].into_iter().chain(names).collect::<Vec<_>>());
 }
 
 #[test]
