@@ -330,21 +330,22 @@ proptest! {
             let all = [ResetCause::Resize, ResetCause::Cut, ResetCause::Scene, ResetCause::Reload];
             let events: Vec<ResetCause> = step.event.map(|e| all[e as usize]).into_iter().collect();
             // Both ways to change make what reads them run; only what moves resets. Where all rests, a sample is not taken.
-            let (moved, resampled) = match number % 2 {
-                _ if rests => (SceneBindings(step.scene_bindings), SceneBindings::NONE),
-                0 => (SceneBindings(step.scene_bindings), SceneBindings::NONE),
-                _ => (SceneBindings::NONE, SceneBindings(step.scene_bindings)),
+            let (moved, resampled) = if rests || number % 2 == 0 {
+                (SceneBindings(step.scene_bindings), SceneBindings::NONE)
+            } else {
+                (SceneBindings::NONE, SceneBindings(step.scene_bindings))
             };
             // Every way to name a pass makes it run.
             let reported: Vec<_> = reported.into_iter().map(frame_graph::plan::PassId).collect();
             let change = Change {
                 scene_bindings: moved,
                 resampled,
-                passes: if number % 3 == 0 { reported.clone() } else { Vec::new() },
-                values: if number % 3 == 1 { reported.clone() } else { Vec::new() },
-                again: if number % 3 == 2 { reported } else { Vec::new() },
+                passes: if number % 4 == 0 { reported.clone() } else { Vec::new() },
+                values: if number % 4 == 1 { reported.clone() } else { Vec::new() },
+                again: if number % 4 == 2 { reported.clone() } else { Vec::new() },
+                reseeded: if number % 4 == 3 { reported } else { Vec::new() },
                 events: events.clone(),
-                ..Change::default()
+                all: false,
             };
             let schedule = state.begin(&plan, &change);
             let resets: Vec<bool> = plan.histories.iter().map(|h| number == 0 || h.reset.iter().any(|r| events.contains(r))).collect();
