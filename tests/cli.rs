@@ -1,6 +1,6 @@
 //! The command line as a user types it.
 
-use crate::adapter::{gpu, root};
+use crate::adapter::{gpu, names_in, root};
 use crate::program::{Done, Folder, QUICK, command, command_of_tree, lightloom, render, run_in, wait_for};
 use metrics::Image;
 use std::path::Path;
@@ -148,11 +148,7 @@ fn mistakes_are_reported() {
 
 #[test]
 fn every_pipeline_is_checked_for_a_scene_without_a_gpu() {
-    let files = std::fs::read_dir(root().join("pipelines")).unwrap().flatten().map(|entry| entry.path());
-    let pipelines: Vec<String> = files
-        .filter(|path| path.extension().is_some_and(|extension| extension == "ron"))
-        .map(|path| path.file_stem().unwrap().to_string_lossy().into_owned())
-        .collect();
+    let pipelines = names_in("pipelines");
     let names = pipelines.iter().map(String::as_str);
     assert_all_is_good(&["check", "--scene", "cornell-box"].into_iter().chain(names).collect::<Vec<_>>());
 }

@@ -1,6 +1,6 @@
 //! Studies as a user runs them: the tree's own in miniature, a kill, two runs, a full disk, parts, pages.
 
-use crate::adapter::{gpu, root};
+use crate::adapter::{gpu, names_in, root};
 use crate::program::{Done, Folder, command_of_tree};
 use std::collections::BTreeMap;
 use std::fs;
@@ -211,12 +211,7 @@ fn run_in_miniature(wanted: fn(&str) -> bool) {
         return;
     }
     let folder = Folder::new(&[]);
-    let studies = fs::read_dir(root().join("studies")).unwrap().flatten().map(|entry| entry.path());
-    let names: Vec<String> = studies
-        .filter(|path| path.extension().is_some_and(|extension| extension == "ron"))
-        .map(|path| path.file_stem().unwrap().to_string_lossy().into_owned())
-        .filter(|name| wanted(name))
-        .collect();
+    let names: Vec<String> = names_in("studies").into_iter().filter(|name| wanted(name)).collect();
     assert!(names.len() >= 3, "{names:?}");
     for name in names {
         let mut arguments = vec![&*name, "-o", &name, "--quick", "--size", "16x12", "--frames", "2"];
