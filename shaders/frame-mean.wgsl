@@ -1,12 +1,14 @@
-// The mean of the frames before at the place where a pixel's surface was. [Nehab et al. 2007]
+// A mean over frames that follows what pixels show. [Nehab et al. 2007; Salvi 2016]
+
+#import "reprojection.wgsl"
 
 var reprojection_place: texture_2d<f32>;
 var reprojection_texels: texture_2d<u32>;
 var past_value: texture_2d<f32>;
 var past_frames: texture_2d<f32>;
 
-/// A mean of frames before, and the number of frames; 0 where there is none.
-struct MeanBefore {
+/// A mean over frames, and the number of frames; 0 where there is none.
+struct FrameMean {
     value: vec4<f32>,
     frames: f32,
 }
@@ -22,7 +24,7 @@ fn cubic_weights(share: f32) -> vec4<f32> {
 }
 
 /// The mean before at a pixel. It is interpolated among the texels that show the pixel's surface, by a cubic where all do.
-fn mean_before(pixel: vec2<u32>) -> MeanBefore {
+fn mean_before(pixel: vec2<u32>) -> FrameMean {
     let texels = textureLoad(reprojection_texels, pixel, 0).x;
     let place = textureLoad(reprojection_place, pixel, 0).xy;
     let first = vec2<i32>(floor(place - 0.5));
@@ -48,11 +50,11 @@ fn mean_before(pixel: vec2<u32>) -> MeanBefore {
         most = max(most, found);
     }
     if weights < LEAST_WEIGHT {
-        return MeanBefore(vec4(0.0), 0.0);
+        return FrameMean(vec4(0.0), 0.0);
     }
     let size = vec2<i32>(textureDimensions(past_value));
     if (texels & ALL_TEXELS) != ALL_TEXELS || all(share == vec2(0.0)) || any(first < vec2(1)) || any(first + 2 >= size) {
-        return MeanBefore(linear / weights, frames / weights);
+        return FrameMean(linear / weights, frames / weights);
     }
     let columns = cubic_weights(share.x);
     let rows = cubic_weights(share.y);
@@ -63,15 +65,35 @@ fn mean_before(pixel: vec2<u32>) -> MeanBefore {
         }
     }
     // A cubic overshoots at edges.
-    return MeanBefore(clamp(cubic, least, most), frames);
+    return FrameMean(clamp(cubic, least, most), frames);
 }
 
 const FAR: f32 = 3e38;
-/// The bits of `texels` for all four, and for a frame in which nothing has moved.
-const ALL_TEXELS: u32 = 15u;
-const STANDS_STILL: u32 = 16u;
 
 /// Whether neither camera nor lights nor geometry have moved since the frame before.
 fn stands_still() -> bool {
     return (textureLoad(reprojection_texels, vec2(0u), 0).x & STANDS_STILL) != 0u;
+}
+
+/// A mean of earlier frames, moved to within so many standard deviations of the mean of the nine pixels around one.
+fn near_frame(before: vec4<f32>, frame: texture_2d<f32>, pixel: vec2<u32>, deviations: f32) -> vec4<f32> {
+    let last = vec2<i32>(textureDimensions(frame)) - 1;
+    let centre = textureLoad(frame, pixel, 0);
+    var sum = vec4(0.0);
+    var squares = vec4(0.0);
+    for (var i = 0; i < 9; i++) {
+        let other = clamp(vec2<i32>(pixel) + vec2(i % 3 - 1, i / 3 - 1), vec2(0), last);
+        let away = textureLoad(frame, other, 0) - centre;
+        sum += away;
+        squares += away * away;
+    }
+    let mean = sum / 9.0;
+    let spread = deviations * sqrt(max(squares / 9.0 - mean * mean, vec4(0.0)));
+    return clamp(before, centre + mean - spread, centre + mean + spread);
+}
+
+/// The mean of at most so many frames, with one frame more.
+fn with_frame(before: FrameMean, now: vec4<f32>, most: u32) -> FrameMean {
+    let frames = min(before.frames + 1.0, f32(most));
+    return FrameMean(before.value + (now - before.value) / frames, frames);
 }

@@ -17,6 +17,7 @@
 
 #import "camera.wgsl"
 #import "progress.wgsl"
+#import "reprojection.wgsl"
 #import "surface-around.wgsl"
 
 struct Settings {
@@ -50,6 +51,12 @@ struct Shown {
     depth: f32,
     /// Of its plane; unit.
     normal: vec3<f32>,
+}
+
+/// A place in the frame before, and which of the four texels around it count.
+struct Place {
+    at: vec2<f32>,
+    texels: u32,
 }
 
 fn shown_now(pixel: vec2<u32>) -> Shown {
@@ -121,12 +128,6 @@ fn nearest_around(pixel: vec2<i32>) -> vec2<i32> {
     return nearest;
 }
 
-/// A place in the frame before, and which of the four texels around it count.
-struct Place {
-    at: vec2<f32>,
-    texels: u32,
-}
-
 fn is_in_frame(texel: vec2<i32>) -> bool {
     return all(texel >= vec2(0)) && all(texel < vec2<i32>(settings.view_size));
 }
@@ -177,9 +178,6 @@ fn place_of_picture(pixel: vec2<i32>) -> Place {
     return place;
 }
 
-/// The bit of `texels` for a picture in which neither camera nor lights nor geometry have moved.
-const STANDS_STILL: u32 = 16u;
-
 /// The greatest motion that is rounding [px].
 const ROUNDING: f32 = 1e-3;
 #endif
@@ -192,25 +190,23 @@ fn reproject(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let pixel = vec2<i32>(id.xy);
     let own = shown_now(id.xy);
-    var of_surface = vec3(vec2<f32>(id.xy) + 0.5, 0.0);
-    var of_picture = of_surface;
-    var texels = vec2(0u);
+    let centre = vec2<f32>(id.xy) + 0.5;
+    var surface = Place(centre, 0u);
+    var picture = surface;
 #if PAST
     if settings.past_age > 0u {
-        let surface = place_of_surface(pixel, own);
-        var picture = Place(vec2<f32>(id.xy) + 0.5, 1u | STANDS_STILL);
-        if !stands_still() {
+        surface = place_of_surface(pixel, own);
+        if stands_still() {
+            picture = Place(centre, 1u | STANDS_STILL);
+        } else {
             picture = place_of_picture(pixel);
         }
-        of_surface = vec3(surface.at, 0.0);
-        of_picture = vec3(picture.at, 0.0);
-        texels = vec2(surface.texels, picture.texels);
     }
 #endif
-    textureStore(surface_place, id.xy, of_surface.xyzz);
-    textureStore(surface_texels, id.xy, vec4(texels.x));
-    textureStore(picture_place, id.xy, of_picture.xyzz);
-    textureStore(picture_texels, id.xy, vec4(texels.y));
+    textureStore(surface_place, id.xy, vec4(surface.at, 0.0, 0.0));
+    textureStore(surface_texels, id.xy, vec4(surface.texels));
+    textureStore(picture_place, id.xy, vec4(picture.at, 0.0, 0.0));
+    textureStore(picture_texels, id.xy, vec4(picture.texels));
     textureStore(seen_position, id.xy, vec4(own.position, own.depth));
     textureStore(seen_normal, id.xy, vec4(own.normal, 0.0));
 }

@@ -14,14 +14,13 @@
 #option STILL false // whether `still` is linked
 
 #if PAST
-#import "around-mean.wgsl"
 #import "frame-mean.wgsl"
 #endif
 #import "progress.wgsl"
 
 struct Settings {
     irradiance_size: vec2<u32>,
-#if PAST
+#if PAST && STILL
     past_age: u32,
 #endif
     /// The most frames that a mean is of. More: less noise, but less detail while the camera moves. [default: 64, min: 1,
@@ -54,10 +53,8 @@ fn accumulate(@builtin(global_invocation_id) id: vec3<u32>) {
     var mean = now;
     var frames = 1.0;
 #if PAST
-    var before = MeanBefore();
-    if settings.past_age > 0u {
-        before = mean_before(id.xy);
-    }
+    // Where there is no history, it is of no frames.
+    var before = mean_before(id.xy);
     if before.frames > 0.0 {
         var most = settings.frames;
 #if STILL
@@ -69,8 +66,9 @@ fn accumulate(@builtin(global_invocation_id) id: vec3<u32>) {
             before.value = near_frame(before.value, irradiance, id.xy, settings.deviations);
         }
 #endif
-        frames = min(before.frames + 1.0, f32(most));
-        mean = before.value + (now - before.value) / frames;
+        let with_now = with_frame(before, now, most);
+        mean = with_now.value;
+        frames = with_now.frames;
     }
 #endif
     textureStore(mean_value, id.xy, mean);

@@ -19,4 +19,12 @@ pub const INTERFACE: Interface = Interface::new(
              bit 4 where nothing at all has moved",
         ),
     ],
-);
+)
+.with_folder("crates/interfaces/reprojection");
+
+wgsl_structs::wgsl! {
+    "reprojection/reprojection.wgsl" {
+        pub const ALL_TEXELS;
+        pub const STANDS_STILL;
+    }
+}

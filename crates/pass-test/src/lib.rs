@@ -31,6 +31,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 mod clusters;
+pub mod frame_mean;
 mod given;
 mod harness;
 mod outputs;

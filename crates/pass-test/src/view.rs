@@ -1,6 +1,7 @@
 //! Inputs that functions of the pixel describe: what a camera sees, and light that was gathered there.
 
-use crate::{Harness, halves, member};
+use crate::{Harness, Member, halves, member};
+use bytemuck::NoUninit;
 use glam::{DVec3, dvec3};
 use pass::{Format, ResourceDesc};
 use scene::{Camera, Scene};
@@ -24,14 +25,10 @@ impl Harness<'_> {
     /// Gives the input port `view` a G-buffer of the frame's size, in which `see` says the depth \[m\] and the normal of
     /// each pixel.
     pub fn seen(self, see: impl Fn(u32, u32) -> (f32, [f32; 3])) -> Self {
-        let seen: Vec<(f32, [f32; 3])> = self.pixels().map(|(x, y)| see(x, y)).collect();
-        let depth: Vec<f32> = seen.iter().map(|(depth, _)| *depth).collect();
-        let normal = |(_, [x, y, z]): &(f32, [f32; 3])| halves([*x, *y, *z, 0.0].map(f64::from));
-        let normal: Vec<[u16; 4]> = seen.iter().map(normal).collect();
-        let picture = |format| ResourceDesc::texture_2d(format, self.size);
+        let normal = |[x, y, z]: [f32; 3]| halves([x, y, z, 0.0].map(f64::from));
         let members = vec![
-            member("depth", picture(Format::R32Float), &depth),
-            member("normal", picture(Format::Rgba16Float), &normal),
+            picture("depth", Format::R32Float, self.size, |x, y| see(x, y).0),
+            picture("normal", Format::Rgba16Float, self.size, |x, y| normal(see(x, y).1)),
         ];
         self.input("view", "GBuffer", &[], members)
     }
@@ -39,16 +36,20 @@ impl Harness<'_> {
     /// Gives the input port `irradiance` a picture of the frame's size, interleaved by `n` × `m` sub-images, in which
     /// `value` says each pixel.
     pub fn irradiance(self, (n, m): (u32, u32), value: impl Fn(u32, u32) -> [f32; 4]) -> Self {
-        let pixels: Vec<[f32; 4]> = self.pixels().map(|(x, y)| value(x, y)).collect();
-        let picture = ResourceDesc::texture_2d(Format::Rgba32Float, self.size);
-        let members = vec![member("", picture, &pixels)];
+        let members = vec![picture("", Format::Rgba32Float, self.size, value)];
         self.input("irradiance", "Irradiance", &[("interleave_x", n), ("interleave_y", m)], members)
     }
+}
 
-    fn pixels(&self) -> impl Iterator<Item = (u32, u32)> + use<> {
-        let (width, height) = self.size;
-        (0..width * height).map(move |i| (i % width, i / width))
-    }
+/// Returns a member that is a texture of `width` × `height`, in which `texel` says each by column and row.
+pub fn picture<T: NoUninit>(
+    name: &str,
+    format: Format,
+    (width, height): (u32, u32),
+    texel: impl Fn(u32, u32) -> T,
+) -> Member<'_> {
+    let texels: Vec<T> = (0..width * height).map(|i| texel(i % width, i / width)).collect();
+    member(name, ResourceDesc::texture_2d(format, (width, height)), &texels)
 }
 
 /// Returns the depth and the place at which a pixel of a frame of `width` × `height` sees the square of the scene `plane`

@@ -1,9 +1,9 @@
 //! A wall that moves over the image, beside what was seen of it in the frame before.
 
 use glam::{Vec2, Vec3, vec2, vec3};
-use half::f16;
-use pass::{Format, ResourceDesc};
-use pass_test::{Harness, Outputs, member};
+use pass::Format;
+use pass_test::view::picture;
+use pass_test::{Harness, Member, Outputs, halves};
 use scene::Camera;
 
 const SIDE: usize = 8;
@@ -21,17 +21,13 @@ fn position(x: usize, y: usize, depth: f32) -> Vec3 {
     vec3(ndc.x, -ndc.y, -1.0) * depth
 }
 
-fn texture<T: bytemuck::NoUninit>(
-    name: &str,
-    format: Format,
-    of: impl Fn(usize, usize) -> T,
-) -> (&str, ResourceDesc, Vec<u8>) {
-    let texels: Vec<T> = (0..SIDE * SIDE).map(|i| of(i % SIDE, i / SIDE)).collect();
-    member(name, ResourceDesc::texture_2d(format, (SIDE as u32, SIDE as u32)), &texels)
+/// A picture of the frame's size.
+fn texture<T: bytemuck::NoUninit>(name: &str, format: Format, of: impl Fn(usize, usize) -> T) -> Member<'_> {
+    picture(name, format, (SIDE as u32, SIDE as u32), |x, y| of(x as usize, y as usize))
 }
 
-fn halves(normal: Vec3) -> [f16; 4] {
-    normal.extend(0.0).to_array().map(f16::from_f32)
+fn unit(normal: Vec3) -> [u16; 4] {
+    halves(normal.extend(0.0).as_dvec4().to_array())
 }
 
 /// The wall moves. Of what was seen in the frame before, column 5 had nothing, column 6 a wall behind, and column 3 one that faced
@@ -53,7 +49,7 @@ fn run(motion: Vec2) -> Option<Outputs> {
             &[],
             vec![
                 texture("depth", Format::R32Float, |_, _| DEPTH),
-                texture("normal", Format::Rgba16Float, |_, _| halves(Vec3::Z)),
+                texture("normal", Format::Rgba16Float, |_, _| unit(Vec3::Z)),
                 texture("motion", Format::Rg32Float, |_, _| motion.to_array()),
             ],
         )
@@ -63,7 +59,7 @@ fn run(motion: Vec2) -> Option<Outputs> {
             1,
             vec![
                 texture("position", Format::Rgba32Float, seen),
-                texture("normal", Format::Rgba16Float, |x, _| halves(normal_before(x))),
+                texture("normal", Format::Rgba16Float, |x, _| unit(normal_before(x))),
             ],
         )
         .run()
@@ -107,7 +103,7 @@ fn a_surface_goes_on_from_beside_its_place() {
 fn without_a_past_nothing_counts() {
     let view = vec![
         texture("depth", Format::R32Float, |_, _| DEPTH),
-        texture("normal", Format::Rgba16Float, |_, _| halves(Vec3::Z)),
+        texture("normal", Format::Rgba16Float, |_, _| unit(Vec3::Z)),
     ];
     let harness = Harness::new(reproject::PASS).frame(SIDE as u32, SIDE as u32).camera(camera());
     let Some(outputs) = harness.input("view", "GBuffer", &[], view).run() else { return };

@@ -1,97 +1,19 @@
 //! The mean of pictures: of how many frames it is, and to what it is drawn where anything moves.
 
-use interfaces::progress::Progress;
-use pass::{Format, ResourceDesc};
-use pass_test::{Harness, buffer, member};
-use temporal_anti_aliasing::PASS;
+use interfaces::reprojection::STANDS_STILL;
+use pass_test::frame_mean::{self, Followed, MOVED, assert_near, mean_of, ramp};
 
-const INPUT: (&str, &str) = ("radiance", "Radiance");
-const OUTPUT: &str = "image";
+const SIDE: usize = frame_mean::SIDE as usize;
 
-const SIDE: usize = 8;
-
-/// The mean of the frames before: linear over the picture.
-fn ramp(x: f32, y: f32) -> [f32; 4] {
-    [1.0 + 0.25 * x, 3.0 - 0.125 * y, 2.0 + 0.5 * x + 0.25 * y, 1.0]
+/// Returns the mean and the number of its frames, row by row.
+fn run(case: Followed, set: &[(&str, u32)]) -> Option<(Vec<[f32; 4]>, Vec<f32>)> {
+    case.run(temporal_anti_aliasing::PASS, ("radiance", "Radiance"), "image", set)
 }
-
-fn texture<T: bytemuck::NoUninit>(
-    name: &str,
-    format: Format,
-    of: impl Fn(usize, usize) -> T,
-) -> (&str, ResourceDesc, Vec<u8>) {
-    let texels: Vec<T> = (0..SIDE * SIDE).map(|i| of(i % SIDE, i / SIDE)).collect();
-    member(name, ResourceDesc::texture_2d(format, (SIDE as u32, SIDE as u32)), &texels)
-}
-
-/// A frame of `now` after a mean of `before` frames.
-#[derive(Clone, Copy)]
-struct Case {
-    now: [f32; 4],
-    before: f32,
-    /// From where a pixel is to where it was \[px\].
-    motion: [f32; 2],
-    texels: u32,
-    still: u32,
-}
-
-impl Case {
-    /// Returns the mean and the number of its frames, row by row.
-    fn run(self, set: &[(&str, u32)]) -> Option<(Vec<[f32; 4]>, Vec<f32>)> {
-        let Case { now, before, motion, texels, still } = self;
-        let place = |x: usize, y: usize| [x as f32 + 0.5 + motion[0], y as f32 + 0.5 + motion[1]];
-        let still = Progress { step: still, ..Progress::default() };
-        let mut harness = Harness::new(PASS)
-            .frame(SIDE as u32, SIDE as u32)
-            .input(INPUT.0, INPUT.1, &[], vec![texture("", Format::Rgba32Float, |_, _| now)])
-            .input(
-                "reprojection",
-                "Reprojection",
-                &[],
-                vec![
-                    texture("place", Format::Rg32Float, place),
-                    texture("texels", Format::R32Uint, |_, _| texels),
-                ],
-            )
-            .input("still", "Progress", &[], vec![("", buffer(16), bytemuck::bytes_of(&still).to_vec())])
-            .past(
-                "past",
-                "FrameMean",
-                1,
-                vec![
-                    texture("value", Format::Rgba32Float, |x, y| ramp(x as f32, y as f32)),
-                    texture("frames", Format::R32Float, |_, _| before),
-                ],
-            );
-        for (name, value) in set {
-            harness = harness.set(name, *value);
-        }
-        let outputs = harness.run()?;
-        let mean = outputs.read("mean.value");
-        assert_eq!(mean, outputs.read::<[f32; 4]>(OUTPUT));
-        Some((mean, outputs.read("mean.frames")))
-    }
-}
-
-fn assert_near(found: [f32; 4], expected: [f32; 4]) {
-    let near = std::iter::zip(found, expected).all(|(a, b)| (a - b).abs() < 1e-5);
-    assert!(near, "{found:?} and {expected:?}");
-}
-
-/// What `frames` frames have, of which the last is `now` and the others have the mean `before`.
-fn mean_of(before: [f32; 4], now: [f32; 4], frames: f32) -> [f32; 4] {
-    std::array::from_fn(|c| (before[c] * (frames - 1.0) + now[c]) / frames)
-}
-
-/// The bit for a frame in which nothing has moved.
-const STANDS_STILL: u32 = 16;
-
-const MOVED: Case =
-    Case { now: [2.0, 2.0, 6.0, 1.0], before: 5.0, motion: [0.3, -0.4], texels: 15, still: 9 };
 
 #[test]
 fn where_nothing_moves_the_mean_is_of_all_frames() {
-    let Some((mean, frames)) = (Case { motion: [0.0; 2], texels: 1 | STANDS_STILL, ..MOVED }).run(&[]) else {
+    let Some((mean, frames)) = run(Followed { motion: [0.0; 2], texels: 1 | STANDS_STILL, ..MOVED }, &[])
+    else {
         return;
     };
     assert!(frames.iter().all(|frames| *frames == 6.0));
@@ -106,10 +28,10 @@ fn where_nothing_moves_the_mean_is_of_all_frames() {
 #[test]
 fn where_anything_moves_the_mean_is_drawn_to_the_frame() {
     for case in [
-        Case { motion: [0.3, 0.0], texels: 1, ..MOVED },
-        Case { motion: [0.0; 2], still: 0, texels: 1 | STANDS_STILL, ..MOVED },
+        Followed { motion: [0.3, 0.0], texels: 1, ..MOVED },
+        Followed { motion: [0.0; 2], still: 0, texels: 1 | STANDS_STILL, ..MOVED },
     ] {
-        let Some((mean, frames)) = case.run(&[]) else { return };
+        let Some((mean, frames)) = run(case, &[]) else { return };
         mean.iter().for_each(|mean| assert_near(*mean, MOVED.now));
         assert!(frames.iter().all(|frames| *frames == 4.0));
     }
@@ -117,6 +39,6 @@ fn where_anything_moves_the_mean_is_drawn_to_the_frame() {
 
 #[test]
 fn what_has_come_into_view_begins_anew() {
-    let Some((mean, frames)) = (Case { texels: 0, ..MOVED }).run(&[]) else { return };
+    let Some((mean, frames)) = run(Followed { texels: 0, ..MOVED }, &[]) else { return };
     assert!(mean.iter().all(|mean| *mean == MOVED.now) && frames.iter().all(|frames| *frames == 1.0));
 }
