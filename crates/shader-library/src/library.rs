@@ -60,8 +60,11 @@ pub struct Library {
     generation: AtomicU64,
 }
 
+#[derive(Clone)]
 struct MadeOutline {
     outline: Result<Arc<Outline>, Diagnostics>,
+    /// What the doc comments of `struct Settings` declare.
+    settings: Result<Arc<[Setting]>, Diagnostics>,
     touched: BTreeSet<String>,
 }
 
@@ -170,17 +173,33 @@ impl Library {
     /// # Errors
     /// As [`Library::load`], but for what only WGSL's own grammar and types show.
     pub fn outline(&self, request: &Request) -> Result<Arc<Outline>, Diagnostics> {
+        self.made_outline(request).outline
+    }
+
+    /// Returns what the doc comments of `struct Settings` declare in the request's file and its imports, in the order
+    /// of its members. Reads comments alone: it needs no module for any interface, and is quick.
+    ///
+    /// # Errors
+    /// As [`Library::outline`], and each declaration that cannot be read, at its place.
+    pub fn settings(&self, request: &Request) -> Result<Arc<[Setting]>, Diagnostics> {
+        self.made_outline(request).settings
+    }
+
+    fn made_outline(&self, request: &Request) -> MadeOutline {
         if let Some(made) = lock(&self.outlines).get(request) {
-            return made.outline.clone();
+            return made.clone();
         }
         let generation = self.generation();
         let (touched, composed) = compose(&*self.files, &self.roots, request, true);
+        let settings = composed.as_ref().map_err(Clone::clone);
+        let settings = settings.and_then(|composed| settings::read(composed, None)).map(Arc::from);
         let outline = composed.map(|composed| Arc::new(composed.outline));
+        let made = MadeOutline { outline, settings, touched };
         let mut outlines = lock(&self.outlines);
         if generation == self.generation() {
-            outlines.insert(request.clone(), MadeOutline { outline: outline.clone(), touched });
+            outlines.insert(request.clone(), made.clone());
         }
-        outline
+        made
     }
 
     /// Returns the WGSL below a folder, sorted by path; files of tests apart.
@@ -203,16 +222,6 @@ impl Library {
     /// Returns how often files have changed: what follows from WGSL stays right as long as this number stays.
     pub fn generation(&self) -> u64 {
         self.generation.load(Ordering::Relaxed)
-    }
-
-    /// Returns what the doc comments of `struct Settings` declare in the request's file and its imports, in the order
-    /// of its members. Reads comments alone: it needs no module for any interface, and is quick.
-    ///
-    /// # Errors
-    /// As [`Library::outline`], and each declaration that cannot be read, at its place.
-    pub fn settings(&self, request: &Request) -> Result<Vec<Setting>, Diagnostics> {
-        let composed = compose(&*self.files, &self.roots, request, true).1?;
-        settings::read(&composed, None)
     }
 
     /// Returns the content of a buffer of a struct that a file declares or imports, from which the size of the buffer

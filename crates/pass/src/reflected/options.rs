@@ -295,9 +295,9 @@ pub(super) fn settings_of_folder(
                 options.push(setting);
             }
         }
-        for setting in library.settings(&of_file).map_err(|errors| main.refused(errors))? {
+        for setting in library.settings(&of_file).map_err(|errors| main.refused(errors))?.iter() {
             match members.iter().find(|known| known.name == setting.name) {
-                None => members.push(setting),
+                None => members.push(setting.clone()),
                 Some(known) if known.declared == setting.declared => {}
                 Some(known) => {
                     let (name, places) = (&setting.name, (&known.declared, &setting.declared));
