@@ -121,14 +121,15 @@ pub use description::{Description, parse};
 pub use expression::{Formula, FormulaError, NameError};
 pub use frame::{Change, FrameState, ResetCause};
 pub use interface::{Content, Fact, FactDecl, FactValue, Figure, Interface, Member, Struct};
-pub use link::{Graph, LinkContext, link};
+pub use link::{Graph, LinkContext, link, name_in_united, original_name, unite};
 pub use plan::{Plan, PlanId};
 pub use port::{
     Facts, HandedOn, InputPort, Limit, Module, OutputContext, OutputDesc, OutputPort, PassTypeError,
     PassTypes, Ports, SceneBindings, Usage, Use,
 };
 pub use resolve::{
-    Difference, Files, Overrides, Resolved, Settable, diff, resolve, resolve_description, template, variant,
+    Difference, Files, Overrides, PassChange, Resolved, Settable, diff, resolve, resolve_description,
+    template, variant,
 };
 pub use resource::{BufferDesc, Clear, Extent, Format, ResourceDesc, TextureDesc, human_bytes};
 pub use succession::Succession;

@@ -10,8 +10,11 @@ mod limits;
 mod needs;
 mod sizes;
 mod switches;
+mod unite;
 mod uses;
 mod wires;
+
+pub use unite::{name_in_united, original_name, unite};
 
 use crate::codes;
 use crate::description::{Body, HistoryPolicy, Link, OutputDecl};

@@ -291,6 +291,30 @@ impl Plan {
         self.outputs.iter().find(|output| output.name == *name)
     }
 
+    /// Returns for each pass whether an output depends on it, in the same frame or through history buffers. Of an output that
+    /// the plan does not have, none.
+    pub fn feeding(&self, output: &str) -> Vec<bool> {
+        let members = self.output(output).map_or(&[][..], |output| &output.members[..]);
+        self.upstream(members.iter().map(|(_, id)| self.resources[id.0 as usize].producer))
+    }
+
+    /// Returns for each pass whether it is one of these, or one of them depends on it.
+    pub fn upstream(&self, passes: impl IntoIterator<Item = PassId>) -> Vec<bool> {
+        let mut found = vec![false; self.passes.len()];
+        let mut open: Vec<PassId> = passes.into_iter().collect();
+        while let Some(pass) = open.pop() {
+            let at = pass.0 as usize;
+            if std::mem::replace(&mut found[at], true) {
+                continue;
+            }
+            for input in &self.passes[at].inputs {
+                open.push(input.producer);
+                open.extend(input.members.iter().map(|(_, id)| self.resources[id.0 as usize].producer));
+            }
+        }
+        found
+    }
+
     /// Returns the plan as text: every pass in order with what it reads and writes, why the others do not run, and how
     /// much memory it needs.
     pub fn to_text(&self) -> String {

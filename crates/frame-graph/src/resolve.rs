@@ -1,5 +1,6 @@
 //! From a description to a flat one: `extends`, patches, subgraphs and parameters.
 
+mod changed;
 mod diff;
 mod document;
 mod figures;
@@ -17,6 +18,7 @@ mod template;
 mod unused;
 mod variant;
 
+pub use changed::PassChange;
 pub use diff::{Difference, diff};
 pub use locate::named;
 pub use settable::Settable;

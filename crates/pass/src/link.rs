@@ -122,9 +122,11 @@ impl LinkedStep {
     }
 }
 
-/// Returns the seed of a pass: a hash of the run's seed and the pass's name, and of nothing else. A
-/// run's seed of 0 gives every pass the seed 0: plain sequences, as the papers use them.
+/// Returns the seed of a pass: a hash of the run's seed and the pass's name, and of nothing else. The copies of a pass in a
+/// graph of several variants have its seed. A run's seed of 0 gives every pass the seed 0: plain sequences, as the papers use
+/// them.
 pub fn pass_seed(run: u32, pass: &str) -> u32 {
+    let pass = frame_graph::original_name(pass);
     if run == 0 {
         return 0;
     }

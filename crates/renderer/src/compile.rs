@@ -3,8 +3,8 @@
 use catalog::Catalog;
 use frame_graph::plan::{PassId, PlannedPass};
 use frame_graph::{
-    CompileOptions, Diagnostic, Diagnostics, LinkContext, Overrides, Plan, Resolved, SceneBindings, compile,
-    link, resolve,
+    CompileOptions, Diagnostic, Diagnostics, Graph, LinkContext, Overrides, Plan, Resolved, SceneBindings,
+    compile, link, resolve, unite,
 };
 use interfaces::counters;
 use pass::codes;
@@ -74,15 +74,46 @@ impl Compiled {
         Compiled::of(catalog, resolve(pipeline, catalog.pipelines(), overrides)?, context, options)
     }
 
+    /// Compiles several variants of a pipeline into one plan, in which what is equal runs once: see [`unite`]. The first is
+    /// the pipeline itself.
+    ///
+    /// # Errors
+    /// As [`Compiled::new`], of any variant.
+    ///
+    /// # Panics
+    /// If there is no variant.
+    pub fn united(
+        catalog: &Catalog,
+        variants: &[Resolved],
+        context: &LinkContext,
+        options: &CompileOptions,
+    ) -> Result<Compiled, Diagnostics> {
+        let graphs: Vec<Graph> =
+            variants.par_iter().map(|variant| link(variant, catalog, context)).collect::<Result<_, _>>()?;
+        Compiled::of_graph(catalog, variants[0].clone(), &unite(&graphs), context, options)
+    }
+
     fn of(
         catalog: &Catalog,
         resolved: Resolved,
         context: &LinkContext,
         options: &CompileOptions,
     ) -> Result<Compiled, Diagnostics> {
-        let planning = tracing::info_span!(target: "phase", "graph linked and planned").entered();
+        let linking = tracing::info_span!(target: "phase", "graph linked and planned").entered();
         let graph = link(&resolved, catalog, context)?;
-        let plan = compile(&graph, options)?;
+        drop(linking);
+        Compiled::of_graph(catalog, resolved, &graph, context, options)
+    }
+
+    fn of_graph(
+        catalog: &Catalog,
+        resolved: Resolved,
+        graph: &Graph,
+        context: &LinkContext,
+        options: &CompileOptions,
+    ) -> Result<Compiled, Diagnostics> {
+        let planning = tracing::info_span!(target: "phase", "graph linked and planned").entered();
+        let plan = compile(graph, options)?;
         drop(planning);
         let _phase = tracing::info_span!(target: "phase", "steps linked").entered();
         let steps = link_all(catalog, &resolved, &plan, context, |_| None)?;

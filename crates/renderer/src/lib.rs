@@ -38,7 +38,8 @@ pub use warnings::without_effect;
 
 use executor::Executor;
 use frame_graph::{
-    Change, CompileOptions, Diagnostics, LinkContext, Overrides, Plan, ResetCause, SceneBindings, Value,
+    Change, CompileOptions, Diagnostics, LinkContext, Overrides, Plan, ResetCause, Resolved, SceneBindings,
+    Value,
 };
 use glam::Vec2;
 use pass::LinkedSteps;
@@ -90,6 +91,8 @@ pub struct Renderer {
 struct Loaded {
     name: String,
     overrides: Overrides,
+    /// The variants that run beside each other; empty where it is the pipeline alone.
+    variants: Vec<Resolved>,
     compiled: Compiled,
     /// Whether each frame is another sample of the picture.
     sampled: bool,
@@ -164,13 +167,33 @@ impl Renderer {
     /// Everything that is wrong with the pipeline and its shaders; limits of the adapter.
     pub fn set_pipeline(&mut self, name: &str, overrides: &Overrides) -> Result<LoadReport, RenderError> {
         let compiled = Compiled::new(&self.catalog, name, overrides, &self.link_context(), &self.options)?;
-        self.load(name.to_owned(), overrides.clone(), compiled, Executor::load)
+        self.load((name.to_owned(), overrides.clone(), Vec::new()), compiled, Executor::load)
+    }
+
+    /// Sets several variants of a pipeline, the first of which is the pipeline itself, that run side by side: what is equal in
+    /// them runs once. `outputs` are the outputs that are wanted, named by [`frame_graph::name_in_united`].
+    ///
+    /// # Errors
+    /// As [`Renderer::set_pipeline`].
+    ///
+    /// # Panics
+    /// If there is no variant.
+    pub fn set_variants(
+        &mut self,
+        name: &str,
+        overrides: &Overrides,
+        variants: Vec<Resolved>,
+        outputs: Vec<String>,
+    ) -> Result<LoadReport, RenderError> {
+        let options = CompileOptions { outputs, ..self.options.clone() };
+        let compiled = Compiled::united(&self.catalog, &variants, &self.link_context(), &options)?;
+        self.options = options;
+        self.load((name.to_owned(), overrides.clone(), variants), compiled, Executor::load)
     }
 
     fn load(
         &mut self,
-        name: String,
-        overrides: Overrides,
+        (name, overrides, variants): (String, Overrides, Vec<Resolved>),
         compiled: Compiled,
         load: Load,
     ) -> Result<LoadReport, RenderError> {
@@ -189,7 +212,7 @@ impl Renderer {
             // Where frames are samples, a sum may go on through the change of a value: no sample comes twice.
             self.sample = 0;
         }
-        self.pipeline = Some(Loaded { name, overrides, compiled, sampled });
+        self.pipeline = Some(Loaded { name, overrides, variants, compiled, sampled });
         Ok(report)
     }
 
@@ -239,7 +262,7 @@ impl Renderer {
         let (name, context) = (loaded.name.clone(), self.link_context());
         let compiled =
             loaded.compiled.with_overrides(&self.catalog, &name, &overrides, &context, &self.options)?;
-        self.load(name, overrides, compiled, Executor::load_values)
+        self.load((name, overrides, Vec::new()), compiled, Executor::load_values)
     }
 
     /// Replaces the scene's own lights; `None` restores them. Nothing is linked again if the number of lights of each
@@ -464,9 +487,12 @@ impl Renderer {
     /// Loads the pipeline again, for another scene or size; nothing where none is set.
     fn relink(&mut self) -> Result<LoadReport, RenderError> {
         match &self.pipeline {
-            Some(Loaded { name, overrides, .. }) => {
-                let (name, overrides) = (name.clone(), overrides.clone());
-                self.set_pipeline(&name, &overrides)
+            Some(Loaded { name, overrides, variants, .. }) => {
+                let (name, overrides, variants) = (name.clone(), overrides.clone(), variants.clone());
+                if variants.is_empty() {
+                    return self.set_pipeline(&name, &overrides);
+                }
+                self.set_variants(&name, &overrides, variants, self.options.outputs.clone())
             }
             None => Ok(LoadReport::default()),
         }

@@ -18,6 +18,7 @@ mod random;
 mod reader;
 mod removed;
 mod succession;
+mod united;
 mod variant_text;
 mod variants;
 mod whole;
