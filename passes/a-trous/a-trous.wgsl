@@ -8,6 +8,7 @@
 #input view: GBuffer // Determines which pixels see the same surface.
 #input irradiance: Irradiance like view // The irradiance to average; of the size of `view`.
 #output filtered: Irradiance // The averages.
+#exact filter: input irradiance // Irradiance as it is gathered.
 
 #import "surface-around.wgsl"
 

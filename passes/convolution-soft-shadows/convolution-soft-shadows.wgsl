@@ -23,6 +23,7 @@
     stride: map_words,
     iterations: 2 * settings.order * (settings.search + 1),
 ) hands on maps module "lookup.wgsl" // The same atlas, with its basis images and soft lookups.
+#exact maps: pass visibility-ray-traced // A ray for each light and pixel.
 
 #import "basis.wgsl"
 #import "paraboloid.wgsl"

@@ -6,6 +6,7 @@
 #input view: GBuffer // Determines which pixels see the same surface.
 #input irradiance: Irradiance like view // The irradiance to average.
 #output filtered: Irradiance // The averages.
+#exact filter: input irradiance // Irradiance as it is gathered.
 
 #import "surface-around.wgsl"
 

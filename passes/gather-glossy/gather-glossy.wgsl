@@ -13,6 +13,8 @@
     clamp: settings.clamp when settings.area_bound == 0 && settings.geometry == 'bounded',
 ) // Irradiance, with noise if interleaved.
 #output reflected: Radiance // What is reflected specularly, with noise if interleaved.
+#exact interleaving: set(interleave_x: 1, interleave_y: 1) // Each pixel takes all lights.
+#exact bound: set(clamp: 0.0, area_bound: 0.0, geometry: 'disc') // Light from discs of the area that each light stands for.
 
 #option LIGHTS_LOBES false // whether the lights have the member `lobes`
 #option VIEW_SPECULAR false // whether the G-buffer has the member `specular`

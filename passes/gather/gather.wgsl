@@ -10,6 +10,8 @@
     interleave_y: min(settings.interleave_y, view.height),
     clamp: settings.clamp when settings.area_bound == 0 && settings.geometry == 'bounded',
 ) // Diffuse irradiance, with noise if interleaved.
+#exact interleaving: set(interleave_x: 1, interleave_y: 1) // Each pixel takes all lights.
+#exact bound: set(clamp: 0.0, area_bound: 0.0, geometry: 'disc') // Light from discs of the area that each light stands for.
 
 #import "gather-lights.wgsl"
 

@@ -1,6 +1,7 @@
 // Renders what the camera sees: depth, normal and material at each pixel.
 
 #output view: GBuffer // What the camera sees.
+#exact pixels: reference(filter: 'centre') // The mean over each pixel, in place of what its centre sees.
 
 #option NORMALS half one_of [half, full] // The format of normals. half: 8 bytes, to a thousandth. full: 16 bytes, to ten
     // millionths; a glossy scene is drawn once more.

@@ -10,6 +10,7 @@
 #input view: GBuffer // Determines which pixels see the same surface.
 #input irradiance: Irradiance like view // The irradiance to average; of the size of `view`.
 #output filtered: Irradiance // The averages.
+#exact filter: input irradiance // Irradiance as it is gathered.
 
 #option SEPARABLE true // Whether to filter rows first, then columns, which reads width + height pixels in place of
     // width · height. The result differs only where pixels are rejected.

@@ -5,6 +5,7 @@
 #input clusters: Clusters // The clusters, averaged.
 #input rsm: ReflectiveShadowMap optional // Its texels, for lights at the place of one.
 #output lights: VirtualLights(count: clusters.count) // A light per cluster, dark without texels.
+#exact lights: instead trace-photons(count: 1024, bounces: 1, albedo: 'textured') // Photons, where they meet surfaces.
 
 #option AREA true // Whether lights have the area of their clusters, by which `gather` bounds what is near; otherwise they are points.
 #option ENERGY texels one_of [texels, centre] // The source of the flux of a light, before all are scaled to the flux of the map. texels: that of all its texels. centre: that of the texel at its centre, as many times as it has texels (ACRSM §4.7); where albedo is textured, a light then has the color of one place.

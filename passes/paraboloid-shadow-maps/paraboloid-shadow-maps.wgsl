@@ -25,6 +25,7 @@
 ) continues past module "visibility-atlas.wgsl" // The maps.
 #output stands: Stands(count: lights.count) cleared // Where the lights stand whose maps these are; zero where maps are not
     // kept.
+#exact maps: pass visibility-ray-traced // A ray for each light and pixel.
 
 #option MASKED false // whether triangles do not count where alpha is below their material's cutoff
 #option PAST false // whether maps are kept, and only those that are listed are rendered

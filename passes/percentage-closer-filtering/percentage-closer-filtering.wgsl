@@ -13,6 +13,7 @@
     taps: settings.taps,
     iterations: (settings.taps + 1) * (settings.taps + 1),
 ) hands on maps module "lookup.wgsl" // The same atlas, with filtered lookups.
+#exact maps: pass visibility-ray-traced // A ray for each light and pixel.
 
 struct Settings {
     /// Bilinear taps along each side of the window, one texel apart; 1 is bilinear filtering of four texels. More: softer

@@ -12,6 +12,7 @@
     nearest: settings.nearest,
     iterations: settings.search + settings.taps,
 ) hands on maps module "lookup.wgsl" // The same atlas, with soft lookups.
+#exact maps: pass visibility-ray-traced // A ray for each light and pixel.
 
 struct Settings {
     /// Taps that look for blockers. More: small blockers are found, and time grows in proportion. [default: 16, min: 1, max:

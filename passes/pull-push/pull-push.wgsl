@@ -15,6 +15,7 @@
     depth_bias: depth.depth_bias,
     slope_bias: depth.slope_bias,
 ) module "visibility-atlas.wgsl" // The maps, filled.
+#exact maps: pass visibility-ray-traced // A ray for each light and pixel.
 
 struct Settings {
     /// Levels of the pyramid above the maps; 0 leaves holes as they are. More: larger holes close, but small openings close as

@@ -5,6 +5,7 @@
 #input rsm: ReflectiveShadowMap // The texels to sample.
 #input importance: Importance like rsm // What the probability of a texel is proportional to.
 #output lights: VirtualLights(count: settings.count) // N lights; none where the importance is 0 everywhere.
+#exact lights: instead trace-photons(count: settings.count, bounces: 1, albedo: 'textured') // Photons, where they meet surfaces.
 
 #option LOBES false // Whether the lights say what their surfaces reflect specularly, for `gather-glossy`; where the scene is glossy.
 #option RSM_SPECULAR false // whether the map has the member `specular`

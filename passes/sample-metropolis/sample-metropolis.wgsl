@@ -6,6 +6,7 @@
 #input rsm: ReflectiveShadowMap // The texels to sample.
 #input importance: Importance like rsm // What the probability of a texel tends to with M.
 #output lights: VirtualLights(count: settings.count) // N lights; those of chains that met no importance are dark.
+#exact lights: instead trace-photons(count: settings.count, bounces: 1, albedo: 'textured') // Photons, where they meet surfaces.
 
 #option WEIGHTS local-mean one_of [local-mean, single, none, reservoir] // The estimate of the mean importance in a light's
     // weight. local-mean: the mean over the chain's proposals, which removes most of the start-up bias. single: the importance of

@@ -4,6 +4,7 @@
 
 #input rsm: ReflectiveShadowMap // The texels to sample.
 #output lights: VirtualLights(count: settings.count) // N lights; those from empty texels are dark.
+#exact lights: instead trace-photons(count: settings.count, bounces: 1, albedo: 'textured') // Photons, where they meet surfaces.
 
 #option LOBES false // Whether the lights say what their surfaces reflect specularly, for `gather-glossy`; where the scene is glossy.
 #option RSM_SPECULAR false // whether the map has the member `specular`

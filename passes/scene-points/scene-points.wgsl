@@ -4,6 +4,7 @@
 
 #output points: Points(count: settings.count) module "points-stored.wgsl" // Every run of 2^m that starts at a multiple of 2^m is
     // stratified by itself.
+#exact points: pass points-on-the-fly // Points where each map needs them.
 
 #import "dispatch.wgsl"
 #import "mask.wgsl"

@@ -14,6 +14,7 @@
     doubt: settings.doubt,
     iterations: 400,
 ) hands on maps module "lookup.wgsl" // The same atlas, with lookups that trace rays.
+#exact maps: pass visibility-ray-traced // A ray for each light and pixel.
 
 struct Settings {
     /// How far behind what a texel stores a receiver must lie to be hidden without a ray, in widths of a texel at the receiver.

@@ -104,6 +104,14 @@ impl Catalog {
         &self.interfaces
     }
 
+    /// Returns what a use with these settings approximates, with what is exact in its place: see [`Pass::exact`].
+    ///
+    /// # Errors
+    /// A shader that is refused, and values that cannot be computed.
+    pub fn exact(&self, use_: Use<'_>, settings: &Settings) -> Result<Vec<pass::Exact>, PassTypeError> {
+        self.find(use_.kind)?.exact(&self.context(use_), settings)
+    }
+
     fn context<'a>(&'a self, use_: Use<'a>) -> UseContext<'a> {
         UseContext { use_, shaders: &self.shaders, interfaces: &self.interfaces }
     }

@@ -6,7 +6,8 @@ mod variants;
 
 use catalog::{Assets, Catalog, PASSES, SceneAssets};
 use frame_graph::port::PassTypes;
-use frame_graph::{Setting, Use};
+use frame_graph::{PassChange, Setting, Settings, Use, Value};
+use pass::ExactBy;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -38,6 +39,49 @@ fn every_setting_says_what_it_does_and_takes_its_default() {
             let twice = settings[..i].iter().any(|other| other.name == setting.name);
             assert!(!twice, "{kind} declares `{}` twice", setting.name);
         }
+    }
+}
+
+/// What passes declare as exact can be put there: it is made of settings, inputs and pass types that there are.
+#[test]
+fn what_is_exact_is_there() {
+    let catalog = Catalog::new(assets());
+    let of = |kind: &str, values: &[(String, Value)]| {
+        let settings = catalog.settings(use_of(kind)).unwrap_or_else(|error| panic!("{kind}: {error:?}"));
+        for (name, value) in values {
+            let setting = settings.iter().find(|setting| setting.name == *name);
+            let setting = setting.unwrap_or_else(|| panic!("{kind} has no setting `{name}`"));
+            let value = value.clone().convert(setting.ty).unwrap_or_else(|| panic!("{kind}.{name}: {value}"));
+            assert_eq!(setting.check(value.clone()), Ok(value), "{kind}.{name}");
+        }
+    };
+    let mut names = Vec::new();
+    for (kind, settings) in passes(&catalog) {
+        let defaults = settings.iter().map(|setting| (setting.name.clone(), setting.default.clone()));
+        let settings = Settings(defaults.collect());
+        let ports =
+            catalog.ports(use_of(kind), &settings).unwrap_or_else(|error| panic!("{kind}: {error:?}"));
+        let exact =
+            catalog.exact(use_of(kind), &settings).unwrap_or_else(|error| panic!("{kind}: {error:?}"));
+        for exact in exact {
+            assert!(exact.doc.ends_with('.'), "{kind}: {:?}", exact.doc);
+            match &exact.by {
+                ExactBy::Change(PassChange::Set(values)) => of(kind, values),
+                ExactBy::Change(PassChange::Replace { kind, set })
+                | ExactBy::Instead(PassChange::Replace { kind, set }) => {
+                    of(kind, set);
+                }
+                ExactBy::Change(PassChange::LeaveOut { input }) => {
+                    assert!(ports.inputs.iter().any(|port| port.name == *input), "{kind}: {input}");
+                }
+                ExactBy::Reference(values) => of("path-tracer", values),
+                ExactBy::Instead(other) => panic!("{kind}: {other:?}"),
+            }
+            names.push(exact.name);
+        }
+    }
+    for expected in ["maps", "interleaving", "bound", "filter", "points", "pixels", "lights"] {
+        assert!(names.iter().any(|name| name == expected), "nothing declares `{expected}`: {names:?}");
     }
 }
 

@@ -35,7 +35,7 @@ pub use record::{
     Compute, DepthTarget, Draw, LARGEST_WINDOW, Load, PortDesc, Raster, RecordContext, Recording, Step,
     Target, Threads, WINDOW_ALIGNMENT, request, request_of_module,
 };
-pub use reflected::MainShader;
+pub use reflected::{Exact, ExactBy, MainShader};
 pub use settings::ReadSettings;
 use shader_library::TypeLayout;
 pub use shader_library::{Define, Library, Request};
@@ -111,6 +111,11 @@ pub trait Pass: Send + Sync {
         outputs: &OutputContext<'_>,
     ) -> Result<Vec<OutputDesc>, PassTypeError> {
         reflected::outputs(cx, &self.main_shader(&cx.use_)?, outputs)
+    }
+
+    /// Returns what a use with these settings approximates, with what is exact in its place.
+    fn exact(&self, cx: &UseContext<'_>, settings: &Settings) -> Result<Vec<Exact>, PassTypeError> {
+        reflected::exact(cx, &self.main_shader(&cx.use_)?, settings)
     }
 
     /// Returns the interfaces that the pass adds to those of the tree: for the ports of passes outside it.

@@ -11,6 +11,7 @@
 //! | an `#option TEXTURED`, named as a trait of the scene | nothing: the scene decides |
 //! | an `#option GRID false internal` | nothing: the pass decides |
 //! | `#lights` | the setting `lights`: names of the lights of the scene that the pass takes, the others being dark to it |
+//! | `#exact maps: pass visibility-ray-traced` | nothing: what `lightloom blame` puts in the place of the approximation `maps` |
 //! | a global with `[scratch]` | nothing: the entry points share it |
 //! | a global with `[reads: K]` | nothing: what an earlier entry point has written to `K` |
 //! | the entry points | the steps, in the order of the text |
@@ -20,6 +21,7 @@
 //! module of `#import interface "K"` is the input `K`, and what is written is an output.
 
 mod checks;
+mod exact;
 mod facts;
 mod options;
 mod outputs;
@@ -39,6 +41,7 @@ use std::fmt::Display;
 use std::sync::Arc;
 use written::Written;
 
+pub use exact::{Exact, ExactBy, exact};
 pub use shader_pass::ShaderPass;
 
 /// The shader that declares what a use of a pass type is.

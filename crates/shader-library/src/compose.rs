@@ -3,6 +3,7 @@
 use crate::codes;
 use crate::composed::{Composed, Import, Outline, ShaderOption, import_chain};
 use crate::directive::{self, Condition, Define, Directive, Fault, Placed};
+use crate::exact::DeclaredExact;
 use crate::files::{self, ShaderFiles};
 use crate::library::Request;
 use crate::line_map::{LineMap, span};
@@ -361,6 +362,7 @@ impl Composer<'_> {
                 self.outline.lights = Some(span(source, line).to_string());
                 Ok(())
             }
+            Directive::Exact(declared) => self.exact(declared, line),
         }
     }
 
@@ -384,6 +386,26 @@ impl Composer<'_> {
             return Err(Fault::new(&codes::EXTENT, line, message));
         }
         all.push(port);
+        Ok(())
+    }
+
+    /// Declares what is exact.
+    fn exact(
+        &mut self,
+        Placed { value, range }: Placed<DeclaredExact>,
+        line: Range<usize>,
+    ) -> Result<(), Fault> {
+        let all = &mut self.outline.exact;
+        if let Some(other) = all.iter().find(|other| other.name == value.name) {
+            let message = format!("what is exact in place of `{}` is declared twice", value.name);
+            return Err(Fault::new(&codes::DIRECTIVE, range, message)
+                .note(format!("first declared at {}", other.place)));
+        }
+        if all.len() >= MAX_CHOICES {
+            let message = format!("there are more than {MAX_CHOICES} approximations");
+            return Err(Fault::new(&codes::EXTENT, line, message));
+        }
+        all.push(value);
         Ok(())
     }
 

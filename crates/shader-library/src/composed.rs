@@ -1,6 +1,7 @@
 //! A composed text with its origins, and errors in it reported at the user's own lines.
 
 use crate::directive::{self, Define, Directive};
+use crate::exact::DeclaredExact;
 use crate::line_map::{LineMap, span};
 use crate::port::{self, DeclaredPort};
 use data_file::codes::Code;
@@ -22,6 +23,8 @@ pub struct Outline {
     pub outputs: Vec<DeclaredPort>,
     /// Where `#lights` stands: that a use says which lights of the scene it takes.
     pub lights: Option<String>,
+    /// What the pass approximates, in order.
+    pub exact: Vec<DeclaredExact>,
     /// Paths of all files that take part.
     pub files: Vec<String>,
 }

@@ -1,6 +1,7 @@
 //! The `#` lines of the dialect: their grammar, and the values of options.
 
 use crate::codes;
+use crate::exact::{self, DeclaredExact};
 use crate::port::{self, DeclaredPort};
 use data_file::{Code, Source, Value};
 use std::fmt;
@@ -139,6 +140,7 @@ pub(crate) enum Directive {
         name: Range<usize>,
     },
     Lights,
+    Exact(Placed<DeclaredExact>),
     If(Condition),
     Elif(Condition),
     Else,
@@ -222,20 +224,27 @@ pub(crate) fn parse(source: &Arc<Source>, line: &str, at: usize) -> Result<Direc
             return Ok(Directive::Port { input, port, name });
         }
         Token::Word("lights") => Directive::Lights,
+        Token::Word("exact") => return Ok(Directive::Exact(exact::parse(source, line, (at, tokens.pos))?)),
         Token::Word("if") => Directive::If(tokens.any()?),
         Token::Word("elif") => Directive::Elif(tokens.any()?),
         Token::Word("else") => Directive::Else,
         Token::Word("endif") => Directive::Endif,
         Token::Word(other) => {
-            let known = ["import", "input", "output", "option", "lights", "if", "elif", "else", "endif"];
+            let known =
+                ["import", "input", "output", "option", "lights", "exact", "if", "elif", "else", "endif"];
             let fault = Fault::new(&codes::DIRECTIVE, name.range, format!("there is no `#{other}`"));
             return Err(match data_file::nearest(other, known) {
                 Some(near) => fault.note(format!("did you mean `#{near}`?")),
-                None => fault
-                    .note("there are #import, #input, #output, #option, #lights, #if, #elif, #else, #endif"),
+                None => fault.note(
+                    "there are #import, #input, #output, #option, #lights, #exact, #if, #elif, #else, #endif",
+                ),
             });
         }
-        _ => return Err(name.expected("one of import, input, output, option, lights, if, elif, else, endif")),
+        _ => {
+            return Err(
+                name.expected("one of import, input, output, option, lights, exact, if, elif, else, endif")
+            );
+        }
     };
     match tokens.next()? {
         Placed { value: Token::End, .. } => Ok(directive),

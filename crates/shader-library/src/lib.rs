@@ -16,6 +16,7 @@ mod composed;
 pub mod decode;
 mod directive;
 mod doc_reader;
+mod exact;
 mod extent;
 mod files;
 mod interface;
@@ -35,6 +36,7 @@ pub use attributes::{
 };
 pub use composed::{Outline, ShaderOption};
 pub use directive::Define;
+pub use exact::{DeclaredExact, ExactForm};
 pub use files::{DiskFiles, MemoryFiles, Overlay, ShaderFiles, files_under};
 pub use interface::{
     Access, Dimension, Entry, Global, GlobalKind, Location, Sample, ShaderInterface, Stage, TypeLayout,

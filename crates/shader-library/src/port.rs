@@ -45,10 +45,10 @@ pub struct DeclaredPort {
     pub place: Span,
 }
 
-/// A size or a fact of an output: `NAME: VALUE when CONDITION`.
+/// A size or a fact of an output, or a value of a setting: `NAME: VALUE when CONDITION`.
 #[derive(Clone, Debug)]
 pub struct Argument {
-    /// The name: `count`, `size`, `layers` or a fact.
+    /// The name: `count`, `size`, `layers`, a fact or a setting.
     pub name: String,
     /// Where the name stands.
     pub place: Span,
@@ -98,10 +98,6 @@ pub(crate) fn parse(
 ) -> Result<(DeclaredPort, Range<usize>), Fault> {
     let mut reader = Reader { text, at, pos };
     let place = |range: &Range<usize>| span(source, range.clone());
-    let formula = |range: Range<usize>| FormulaText {
-        text: source.text[range.clone()].to_owned(),
-        place: place(&range),
-    };
     let name = reader.name("the name of the port")?;
     if !reader.eat(':') {
         return Err(reader.expected("`:` and an interface, as in `#input view: GBuffer`"));
@@ -122,23 +118,8 @@ pub(crate) fn parse(
         module: None,
         doc: String::new(),
     };
-    if !input && reader.eat('(') {
-        while !reader.eat(')') {
-            let name = reader.name("the name of a size or a fact, or `)`")?;
-            if !reader.eat(':') {
-                return Err(reader.expected("`:` and an expression"));
-            }
-            let (value, when) = reader.expression()?;
-            port.arguments.push(Argument {
-                place: place(&name.range),
-                name: name.value,
-                value: formula(value),
-                when: when.map(formula),
-            });
-            if !reader.eat(',') && !reader.rest().starts_with(')') {
-                return Err(reader.expected("`,` or `)`"));
-            }
-        }
+    if !input {
+        port.arguments = reader.arguments(source)?;
     }
     loop {
         reader.skip();
@@ -175,15 +156,16 @@ pub(crate) fn parse(
             }
         }
     }
-    let comments = reader.rest().lines().map(|line| line.trim().trim_start_matches('/').trim());
-    port.doc = comments.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
+    port.doc = reader.comment()?;
     Ok((port, name.range))
 }
 
-struct Reader<'a> {
-    text: &'a str,
-    at: usize,
-    pos: usize,
+/// Reads the parts of a directive one after the other.
+pub(crate) struct Reader<'a> {
+    pub(crate) text: &'a str,
+    /// Where the text starts in its file.
+    pub(crate) at: usize,
+    pub(crate) pos: usize,
 }
 
 impl<'a> Reader<'a> {
@@ -195,7 +177,7 @@ impl<'a> Reader<'a> {
         self.pos = self.text.len() - self.rest().trim_start().len();
     }
 
-    fn eat(&mut self, symbol: char) -> bool {
+    pub(crate) fn eat(&mut self, symbol: char) -> bool {
         self.skip();
         let found = self.rest().starts_with(symbol);
         if found {
@@ -208,10 +190,12 @@ impl<'a> Reader<'a> {
         self.at + range.start..self.at + range.end
     }
 
-    fn expected(&self, what: &str) -> Fault {
+    pub(crate) fn expected(&self, what: &str) -> Fault {
         let rest = self.rest().trim_start();
         let found = rest.split([' ', '\n', ',', '(']).next().unwrap_or_default();
-        let start = self.text.len() - rest.len();
+        // The end of the line is where its last character ends.
+        let end = if found.is_empty() { self.text.trim_end().len() } else { self.text.len() };
+        let start = end - rest.len();
         let label = if found.is_empty() {
             "found the end of the line".to_owned()
         } else {
@@ -221,7 +205,7 @@ impl<'a> Reader<'a> {
         Fault::new(&codes::DIRECTIVE, range, format!("expected {what}")).label(label)
     }
 
-    fn name(&mut self, what: &str) -> Result<Placed<String>, Fault> {
+    pub(crate) fn name(&mut self, what: &str) -> Result<Placed<String>, Fault> {
         self.skip();
         let rest = self.rest();
         let len = rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len());
@@ -231,6 +215,58 @@ impl<'a> Reader<'a> {
         let range = self.place(self.pos..self.pos + len);
         self.pos += len;
         Ok(Placed { value: rest[..len].to_owned(), range })
+    }
+
+    /// The name of a pass type.
+    pub(crate) fn kind(&mut self) -> Result<String, Fault> {
+        self.skip();
+        let rest = self.rest();
+        let len = rest.find(|c: char| !(c.is_alphanumeric() || c == '-')).unwrap_or(rest.len());
+        if len == 0 {
+            return Err(self.expected("a pass type, such as `visibility-ray-traced`"));
+        }
+        self.pos += len;
+        Ok(rest[..len].to_owned())
+    }
+
+    /// `(NAME: EXPRESSION when CONDITION, …)`, or nothing.
+    pub(crate) fn arguments(&mut self, source: &Arc<Source>) -> Result<Vec<Argument>, Fault> {
+        let place = |range: &Range<usize>| span(source, range.clone());
+        let formula = |range: Range<usize>| FormulaText {
+            text: source.text[range.clone()].to_owned(),
+            place: place(&range),
+        };
+        let mut arguments = Vec::new();
+        if !self.eat('(') {
+            return Ok(arguments);
+        }
+        while !self.eat(')') {
+            let name = self.name("the name of a value, or `)`")?;
+            if !self.eat(':') {
+                return Err(self.expected("`:` and an expression"));
+            }
+            let (value, when) = self.expression()?;
+            arguments.push(Argument {
+                place: place(&name.range),
+                name: name.value,
+                value: formula(value),
+                when: when.map(formula),
+            });
+            if !self.eat(',') && !self.rest().starts_with(')') {
+                return Err(self.expected("`,` or `)`"));
+            }
+        }
+        Ok(arguments)
+    }
+
+    /// The comment that ends a directive.
+    pub(crate) fn comment(&mut self) -> Result<String, Fault> {
+        self.skip();
+        if !(self.rest().is_empty() || self.rest().starts_with("//")) {
+            return Err(self.expected("the end of the line"));
+        }
+        let lines = self.rest().lines().map(|line| line.trim().trim_start_matches('/').trim());
+        Ok(lines.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" "))
     }
 
     fn quoted(&mut self) -> Result<String, Fault> {

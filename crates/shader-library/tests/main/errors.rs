@@ -44,6 +44,11 @@ fn directives() {
         "#import\n#import random\n#import interface\n#import \"a.wgsl\n#import \"a\" b",
     );
     check_text("odd_characters", "#if ä$\n#endif\n#option A 12px\n#option 3 true\n#option true false");
+    check_text(
+        "what_is_exact",
+        "#exact\n#exact maps\n#exact maps: rays\n#exact maps: pas visibility-ray-traced\n#exact a: pass\n#exact b: input\n\
+         #exact c: set(clamp 0)\n#exact d: set(clamp: 0) and more\n#exact e: input view\n#exact e: input view // twice",
+    );
     check_text("if_without_end", "#option A true\n#if A\n  #if !A\n#endif\n");
     check_text("end_without_if", "#endif\n#else\n#elif A\n");
     check_text("two_elses", "#option A true\n#if A\n#else\n#else\n#elif A\n#endif\n");
