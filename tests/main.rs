@@ -7,6 +7,7 @@ mod adapter;
 mod application;
 mod batch;
 mod bench;
+mod blame;
 mod bounces;
 mod cli;
 mod clusters;

@@ -1,6 +1,7 @@
 //! The commands, a module each.
 
 pub(crate) mod bench;
+pub(crate) mod blame;
 pub(crate) mod check;
 pub(crate) mod compare;
 pub(crate) mod diff;

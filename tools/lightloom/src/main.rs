@@ -62,6 +62,8 @@ enum Command {
     Rerun(command::rerun::Args),
     /// Compare two pictures: RMSE, relMSE, MAPE, SSIM, ꟻLIP
     Compare(command::compare::Args),
+    /// Share the error of a picture out between what its pipeline approximates
+    Blame(command::blame::Args),
     /// Run an ablation study: pipelines, scenes and values against time and error
     Study(command::study::Args),
     /// Render extreme cases by every pipeline, and check pictures for NaN and wrong energy
@@ -163,6 +165,7 @@ fn main() -> ExitCode {
         Command::Diff(args) => command::diff::run(&context, args),
         Command::Rerun(args) => command::rerun::run(&context, args),
         Command::Compare(args) => command::compare::run(&context, args),
+        Command::Blame(args) => command::blame::run(&context, args),
         Command::Study(args) => command::study::run(&context, args),
         Command::Stress(args) => command::stress::run(&context, args),
         Command::Precision(args) => command::precision::run(&context, args),
