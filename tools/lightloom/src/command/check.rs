@@ -3,18 +3,19 @@
 use crate::command::study::{self, CatalogRegistry, MOST_RUNS, overrides};
 use crate::context::{Context, Sort};
 use crate::output::{self, stdout};
-use ::study::Plan;
+use ::study::{Plan, RunRequest};
 use anyhow::{Result, anyhow, bail};
 use data_file::why_unreadable;
 use frame_graph::resolve::Files;
 use frame_graph::{
     Diagnostic, Diagnostics, LinkContext, Overrides, Severity, Source, Span, Traits, nearest_of_few, resolve,
 };
+use rayon::prelude::*;
 use renderer::{Catalog, Compiled, load_scene};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Check pipelines, their shaders, scenes and studies.
 #[derive(clap::Args)]
@@ -51,24 +52,27 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     } else {
         args.names.clone()
     };
-    let mut traits: BTreeMap<String, Traits> = BTreeMap::new();
-    let mut results: Vec<(String, Checked)> = Vec::new();
     let judged: Vec<&String> =
         args.scene.as_ref().map_or_else(|| scenes.iter().collect(), |scene| vec![scene]);
-    for name in &names {
+    let known = Mutex::new(BTreeMap::new());
+    let checked = |name: &String| {
         let sort = Sort::ALL.into_iter().find(|sort| context.is(*sort, name));
         let (mut warnings, mut repairs) = (Diagnostics::default(), Vec::new());
+        // Each has the scenes that were loaded so far, and hands on those that it loads.
+        let mut traits = known.lock().unwrap_or_else(PoisonError::into_inner).clone();
         let result = match sort {
             None => Err(not_there(name, [&scenes, &pipelines, &studies])),
             Some(sort) => check(context, (sort, name), &judged, &mut traits, &mut warnings, &mut repairs),
         };
+        known.lock().unwrap_or_else(PoisonError::into_inner).append(&mut traits);
         if args.names.is_empty() {
             // Among all files, notes are about what is meant.
             warnings.0.retain(|warning| warning.severity > Severity::Note);
             repairs.clear();
         }
-        results.push((name.clone(), Checked { result, warnings, repairs }));
-    }
+        (name.clone(), Checked { result, warnings, repairs })
+    };
+    let results: Vec<(String, Checked)> = names.par_iter().map(checked).collect();
     let failed = results.iter().filter(|(_, checked)| checked.result.is_err()).count();
     if context.json {
         let rows: Vec<Value> = results.iter().map(|(name, checked)| row(name, checked)).collect();
@@ -192,15 +196,25 @@ fn check_study(
     warnings.0.extend(plan.notes.0.iter().cloned());
     let runs = plan.distinct_runs();
     let (mut errors, mut plans): (Vec<Diagnostic>, _) = (Vec::new(), Vec::new());
+    // Where a cell differs from the one before in values alone, only what reads them is compiled again.
+    let mut before: Option<(&RunRequest, Compiled)> = None;
     for run in runs.iter().take(MOST_RUNS) {
         know_traits(catalog, &run.scene, traits)?;
         let link = LinkContext { frame: run.size, traits: traits[&run.scene].clone() };
-        let compiled =
-            Compiled::new(catalog, &run.pipeline, &overrides(&run.set), &link, &renderer::compile_options());
+        let (values, options) = (overrides(&run.set), renderer::compile_options());
+        let alike = |other: &RunRequest| {
+            (&other.pipeline, &other.scene, other.size) == (&run.pipeline, &run.scene, run.size)
+        };
+        let compiled = match before.as_ref().filter(|(other, _)| alike(other)) {
+            Some((_, known)) => known.with_overrides(catalog, &run.pipeline, &values, &link, &options),
+            None => Compiled::new(catalog, &run.pipeline, &values, &link, &options),
+        };
         let (found, list) = match compiled {
             Ok(compiled) => {
                 plans.push((*run, compiled.plan.id));
-                (compiled.of_files(catalog), &mut warnings.0)
+                let found = compiled.of_files(catalog);
+                before = Some((*run, compiled));
+                (found, &mut warnings.0)
             }
             Err(found) => (found, &mut errors),
         };
