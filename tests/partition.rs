@@ -48,7 +48,7 @@ fn a_furnace_has_the_flux_of_its_walls() {
 #[test]
 #[ignore = "slow"]
 fn a_furnace_has_the_flux_of_its_walls_after_many_iterations() {
-    assert_furnace_keeps_its_flux(&[300]);
+    assert_furnace_keeps_its_flux(&[150]);
 }
 
 /// A floor under a black ceiling, 1 m above it.
@@ -130,7 +130,7 @@ fn the_flux_is_that_of_photons() {
 fn the_flux_is_that_of_photons_after_many_iterations() {
     assert_flux_of_photons(&[
         (100, &["lights/vpls.rate=1"]),
-        (400, &["lights/vpls.rate=16"]),
+        (200, &["lights/vpls.rate=16"]),
         (100, &["lights/vpls.rate=4", "moved=64"]),
         (100, &["lights/vpls.rate=4", "moved=0"]),
     ]);
