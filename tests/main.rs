@@ -45,5 +45,6 @@ mod study;
 mod surface_lights;
 mod trace;
 mod truth;
+mod tune;
 mod warnings;
 mod window;

@@ -18,5 +18,6 @@ pub(crate) mod rerun;
 pub(crate) mod resolve;
 pub(crate) mod stress;
 pub(crate) mod study;
+pub(crate) mod tune;
 #[cfg(feature = "window")]
 pub(crate) mod view;

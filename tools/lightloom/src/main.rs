@@ -64,6 +64,8 @@ enum Command {
     Compare(command::compare::Args),
     /// Share the error of a picture out between what its pipeline approximates
     Blame(command::blame::Args),
+    /// Search settings for the least error in a time, or the least time for an error
+    Tune(command::tune::Args),
     /// Run an ablation study: pipelines, scenes and values against time and error
     Study(command::study::Args),
     /// Render extreme cases by every pipeline, and check pictures for NaN and wrong energy
@@ -166,6 +168,7 @@ fn main() -> ExitCode {
         Command::Rerun(args) => command::rerun::run(&context, args),
         Command::Compare(args) => command::compare::run(&context, args),
         Command::Blame(args) => command::blame::run(&context, args),
+        Command::Tune(args) => command::tune::run(&context, args),
         Command::Study(args) => command::study::run(&context, args),
         Command::Stress(args) => command::stress::run(&context, args),
         Command::Precision(args) => command::precision::run(&context, args),
