@@ -34,6 +34,7 @@ mod reflective;
 mod reload;
 mod rendered;
 mod reports;
+mod reproduce;
 mod reprojected;
 mod rerun;
 mod sequential;

@@ -14,6 +14,7 @@ pub(crate) mod new;
 pub(crate) mod passes;
 pub(crate) mod precision;
 pub(crate) mod render;
+pub(crate) mod reproduce;
 pub(crate) mod rerun;
 pub(crate) mod resolve;
 pub(crate) mod stress;

@@ -68,6 +68,8 @@ enum Command {
     Tune(command::tune::Args),
     /// Run an ablation study: pipelines, scenes and values against time and error
     Study(command::study::Args),
+    /// Run the studies of a paper, and print a line for each of its findings
+    Reproduce(command::reproduce::Args),
     /// Render extreme cases by every pipeline, and check pictures for NaN and wrong energy
     Stress(command::stress::Args),
     /// Compare shader functions in f32 with the same in f64: the precision that is lost
@@ -170,6 +172,7 @@ fn main() -> ExitCode {
         Command::Blame(args) => command::blame::run(&context, args),
         Command::Tune(args) => command::tune::run(&context, args),
         Command::Study(args) => command::study::run(&context, args),
+        Command::Reproduce(args) => command::reproduce::run(&context, args),
         Command::Stress(args) => command::stress::run(&context, args),
         Command::Precision(args) => command::precision::run(&context, args),
         Command::Bench(args) => command::bench::run(&context, args),
