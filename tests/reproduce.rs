@@ -39,9 +39,7 @@ fn each_finding_has_a_line() {
     assert_eq!(verdicts, ["holds", "fails"], "{found:#}");
     assert_eq!(found[0]["where"], "TCAS Fig. 99");
     let page = folder.read("out/findings.md");
-    for words in
-        ["TCAS Fig. 99", "neither dark nor all light", "forty times the light", "does not hold"]
-    {
+    for words in ["TCAS Fig. 99", "neither dark nor all light", "forty times the light", "does not hold"] {
         assert!(page.contains(words), "no `{words}` in {page}");
     }
     assert!(folder.at("out/tcas-fig-99/report.html").exists());

@@ -123,9 +123,9 @@ pub fn page(
     let shown = pictures.iter().map(|(name, image)| (*name, *image, Display::default()));
     for (name, image, display) in maps.into_iter().chain(shown) {
         let png = image.png(display).unwrap_or_default();
-        let _ = write!(
+        let _ = writeln!(
             figures,
-            "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
+            "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption></figure>",
             html(name),
             STANDARD.encode(png)
         );
@@ -140,9 +140,9 @@ pub fn page(
     for (at, ([r, g, b], name)) in names.chain([rest]).enumerate() {
         let pixels = owns((at < players.len()).then_some(at));
         let name = html(name);
-        let _ = write!(
+        let _ = writeln!(
             legend,
-            "<li><span style=\"background: rgb({r} {g} {b})\"></span>{name}: {pixels:.0} % of the pixels</li>\n"
+            "<li><span style=\"background: rgb({r} {g} {b})\"></span>{name}: {pixels:.0} % of the pixels</li>"
         );
     }
     let sampled = if shares.sampled {

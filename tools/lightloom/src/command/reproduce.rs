@@ -185,7 +185,7 @@ fn add(table: &mut Table, results: &Results) {
     let own = || [Entry::Text(study.paper.clone()), Entry::Text(study.name.clone())];
     match study::claims(results) {
         Some(claims) => {
-            table.rows.extend(claims.rows.into_iter().map(|row| own().into_iter().chain(row).collect()))
+            table.rows.extend(claims.rows.into_iter().map(|row| own().into_iter().chain(row).collect()));
         }
         None => {
             let rest = ["no claim", "", "", "", ""].map(|text| Entry::Text(text.to_owned()));
