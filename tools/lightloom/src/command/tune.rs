@@ -32,7 +32,7 @@ pub(crate) struct Args {
     /// Scenes by name, or .ron, .glb or .gltf files: the error is the mean over them, and so is the time
     #[arg(required = true)]
     scenes: Vec<String>,
-    /// The GPU time that a frame may take [ms]
+    /// The GPU time that a frame may take, in milliseconds
     #[arg(long, value_name = "MS", value_parser = positive, group = "target")]
     target_ms: Option<f64>,
     /// The error that a picture may have: relMSE
