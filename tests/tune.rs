@@ -3,8 +3,7 @@
 use crate::program::{Done, Folder, command_of_tree, run_in};
 use serde_json::Value;
 
-const QUICK: &[&str] =
-    &["--size", "32x32", "--samples", "32", "--judges", "2", "--set", "rsm.size=64", "--json"];
+const QUICK: &[&str] = &["--size", "32x32", "--samples", "32", "--set", "rsm.size=64", "--json"];
 
 fn tune(folder: &Folder, arguments: &[&str]) -> Done {
     let mut command = command_of_tree(folder);
@@ -22,7 +21,7 @@ fn the_winner_is_a_pipeline_with_its_evidence() {
     let fixed = ["map", "settle", "maps", "bound", "interleaving", "interleave_x", "interleave_y"];
     let fixed: Vec<&str> = fixed.iter().flat_map(|name| ["--fix", name]).collect();
     let axes = [&["--vary", "lights=16,64,256"], &fixed[..]].concat();
-    let own = [&["ism-invtm", "cornell-box", "-o", "out"], &axes[..]].concat();
+    let own = [&["ism-invtm", "cornell-box", "-o", "out", "--judges", "2"], &axes[..]].concat();
     let all = tune(&folder, &[&own[..], &["--full", "--target-error", "1000"]].concat()).success().json();
     assert_eq!(all["tune"]["grid"], 6);
     let front = all["tune"]["front"].as_array().unwrap();
@@ -82,7 +81,7 @@ fn measurement_of_two_grids() {
         (
             "ism-invtm",
             "cornell-box",
-            &["--vary", "lights=16,32,64,128,256", "--vary", "map=16,32,64", "--fix", "settle"],
+            &["--vary", "lights=32,64,128,256,512", "--vary", "map=16,32,64", "--fix", "settle"],
         ),
         ("ism", "atrium-spot", &["--vary", "lights=32,64,128,256,512", "--vary", "map=16,32,64"]),
     ];
@@ -93,17 +92,19 @@ fn measurement_of_two_grids() {
                 scene,
                 "-o",
                 pipeline,
+                "--judges",
+                "3",
                 "--vary",
                 "interleave_x=1,2,4",
-                "--vary",
-                "interleave_y=1,2,4",
+                "--fix",
+                "interleave_y",
             ],
             axes,
         ]
         .concat();
         let own = [&own[..], &["--fix", "bound", "--fix", "interleaving"]].concat();
         let all = tune(&folder, &[&own[..], &["--full", "--target-error", "1000"]].concat()).success().json();
-        let cells = 2.0 * number(&all["tune"]["grid"]);
+        let cells = 3.0 * number(&all["tune"]["grid"]);
         let front: Vec<(f64, f64)> = all["tune"]["front"]
             .as_array()
             .unwrap()
@@ -118,7 +119,7 @@ fn measurement_of_two_grids() {
                 .filter(|point| point.1 <= target)
                 .map(|point| point.0)
                 .fold(f64::INFINITY, f64::min);
-            let points = (cells / 10.0 - 34.0).max(8.0) as u32;
+            let points = (cells / 10.0 - 24.0).max(8.0) as u32;
             let (target, points) = (target.to_string(), points.to_string());
             let found =
                 tune(&folder, &[&own[..], &["--target-error", &target, "--points", &points]].concat())

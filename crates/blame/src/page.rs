@@ -26,6 +26,8 @@ const COLORS: [[u8; 3]; 9] = [
 const REST: [u8; 3] = [0x80, 0x80, 0x80];
 /// Root of the relative squared error that is drawn in full color.
 const FULL: f32 = 0.5;
+/// The mean luminance at which pictures are shown, before tone mapping.
+const SHOWN_MEAN: f64 = 0.3;
 const STYLE: &str = include_str!("page.css");
 
 /// What was measured, in words.
@@ -105,7 +107,7 @@ impl Estimate {
     }
 }
 
-/// Returns the page. `pictures` are shown as they are, each with its name.
+/// Returns the page. `pictures` are shown with the exposure of the last, which is the reference, each with its name.
 pub fn page(
     heading: Heading<'_>,
     shares: &Shares,
@@ -120,7 +122,11 @@ pub fn page(
     let mut figures = String::new();
     let picture = map_picture(map);
     let maps = [("The error, colored by whom it is owed to", &picture, Display::AS_IS)];
-    let shown = pictures.iter().map(|(name, image)| (*name, *image, Display::default()));
+    // All of them as bright as makes the reference, which is the last, well seen.
+    let mean = pictures.last().map_or(0.0, |(_, image)| image.glance().mean);
+    let exposure = if mean > 0.0 { (SHOWN_MEAN / mean).log2() as f32 } else { 0.0 };
+    let display = Display { exposure, ..Display::default() };
+    let shown = pictures.iter().map(|(name, image)| (*name, *image, display));
     for (name, image, display) in maps.into_iter().chain(shown) {
         let png = image.png(display).unwrap_or_default();
         let _ = writeln!(

@@ -97,11 +97,12 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let space = Space::new(context, args, &link)?;
     std::fs::create_dir_all(&args.out)
         .with_context(|| format!("the folder {} cannot be made", args.out.display()))?;
-    let points = if args.full { space.points() as u64 } else { u64::from(args.points) };
-    let bar = progress(points, "tune");
+    let count = if args.full { space.points() as u64 } else { u64::from(args.points) };
+    let bar = progress(count, "tune");
     let mut measurer = Measurer::new(context, args, &space, &bar)?;
     let axes: Vec<Axis> = space.axes.iter().map(|axis| axis.axis.clone()).collect();
-    let options = Options { points: args.points as usize, kept: 16, judges: args.judges };
+    let points = args.points as usize;
+    let options = Options { points, kept: (points / 4).clamp(4, 16), judges: args.judges };
     let outcome = if args.full {
         full(&axes, target, args.judges, &mut measurer)?
     } else {
