@@ -72,7 +72,9 @@ fn what_cannot_be_is_told() {
     assert!(!folder.at("out/winner.ron").exists());
 }
 
-/// Two grids in full, and the search of each: at a tenth of the cells it comes within a twentieth of the front. Half an hour.
+/// Two grids in full, and the search of each at a tenth of the cells. It does not hold yet: of the first grid two targets were reached
+/// within 1 % of the front, and the third at 2.7 times its time, since errors of single seeds, by which points are chosen, have heavy
+/// tails there (docs/tune.md).
 #[test]
 #[ignore = "slow"]
 fn measurement_of_two_grids() {
