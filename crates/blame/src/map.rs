@@ -2,8 +2,8 @@
 
 use crate::estimate::{Pictures, References, Weights};
 use crate::game::{Game, Subset};
-use crate::player::{FRAMES, Player};
-use metrics::{Image, ImageError};
+use crate::player::{Player, frames};
+use metrics::Image;
 
 /// Pixels on each side of a pixel whose errors are taken together: single pixels are noise.
 const REACH: usize = 2;
@@ -51,30 +51,23 @@ impl Errors {
 }
 
 impl Map {
-    /// Shares out the error of each pixel. `errors` returns those of the index that `cell` returns for a subset.
-    ///
-    /// # Errors
-    /// Pictures of different sizes.
+    /// Shares out the error of each pixel. `cell` returns the index of a subset in `cells`.
     pub fn new(
         game: &Game,
         players: &[Player],
         size: (usize, usize),
-        cells: &[(Pictures, References)],
+        cells: &[(&Pictures, &References)],
         weights: &Weights,
         cell: &dyn Fn(Subset) -> usize,
-    ) -> Result<Map, ImageError> {
+    ) -> Map {
         let errors: Vec<Errors> =
             cells.iter().map(|(pictures, references)| Errors::new(pictures, references, weights)).collect();
-        let is_mean = |subset: Subset| {
-            players.iter().enumerate().any(|(player, of)| of.frames == FRAMES && subset & 1 << player != 0)
-        };
         let all: Subset = (1 << players.len()) - 1;
         let (mut owner, mut error) = (Vec::new(), Vec::new());
         for pixel in 0..size.0 * size.1 {
             let value = |subset: Subset| {
                 let of = &errors[cell(subset)];
-                let frames = if is_mean(subset) { f64::from(FRAMES) } else { 1.0 };
-                of.bias_squared[pixel] + of.variance[pixel] / frames
+                of.bias_squared[pixel] + of.variance[pixel] / frames(players, subset)
             };
             let shares = game.shares(&value);
             let greatest = shares.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
@@ -82,7 +75,7 @@ impl Map {
             owner.push(owes.map(|(player, _)| player));
             error.push((value(0).max(0.0) / 3.0).sqrt() as f32);
         }
-        Ok(Map { size, owner, error })
+        Map { size, owner, error }
     }
 }
 

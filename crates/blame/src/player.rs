@@ -1,5 +1,6 @@
 //! The approximations of a pipeline.
 
+use crate::game::Subset;
 use frame_graph::plan::{PassId, PlannedPass};
 use frame_graph::{PassChange, Plan, Value};
 use pass::{Exact, ExactBy};
@@ -50,6 +51,12 @@ impl Player {
     pub fn is_rendered(&self) -> bool {
         !self.changes.is_empty()
     }
+}
+
+/// Returns the frames of which the picture of a subset of players is the mean.
+pub(crate) fn frames(players: &[Player], subset: Subset) -> f64 {
+    let exact = players.iter().enumerate().filter(|(player, _)| subset & 1 << player != 0);
+    f64::from(exact.map(|(_, of)| of.frames).max().unwrap_or(1))
 }
 
 /// What the passes of a pipeline declare.

@@ -1,7 +1,7 @@
 //! The table of shares.
 
 use crate::game::{Game, Subset};
-use crate::player::{FRAMES, Player};
+use crate::player::{Player, frames};
 use metrics::statistics::Summary;
 use serde::{Deserialize, Serialize};
 
@@ -219,8 +219,7 @@ fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
 
 /// The mean of as many frames has as much less variance, and takes as much longer.
 fn of_frames(cell: Cell, players: &[Player], subset: Subset) -> Cell {
-    let exact = players.iter().enumerate().filter(|(player, _)| subset & 1 << player != 0);
-    let frames = f64::from(if exact.map(|(_, of)| of.frames).max() == Some(FRAMES) { FRAMES } else { 1 });
+    let frames = frames(players, subset);
     Cell {
         variance: cell.variance.iter().map(|variance| variance / frames).collect(),
         ms: cell.ms.iter().map(|ms| ms * frames).collect(),

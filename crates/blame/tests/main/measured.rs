@@ -106,7 +106,9 @@ fn shares_add_up_and_the_map_says_where() {
     assert!((shares.rest.saves.unwrap().mean - saved - shares.whole.saves.unwrap().mean).abs() < 1e-9);
 
     let game = Game::new(2, 6, 0);
-    let map = Map::new(&game, &players, SIZE, &cells, &weights, &|subset| subset as usize).unwrap();
+    let pairs: Vec<(&Pictures, &References)> =
+        cells.iter().map(|(pictures, references)| (pictures, references)).collect();
+    let map = Map::new(&game, &players, SIZE, &pairs, &weights, &|subset| subset as usize);
     for y in 0..SIZE.1 {
         // Three pixels and more from the middle no window reaches over it.
         assert_eq!(map.owner[y * SIZE.0 + 2], Some(0));

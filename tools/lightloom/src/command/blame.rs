@@ -2,6 +2,8 @@
 
 mod experiment;
 
+pub(crate) use experiment::{bounces, changed, declared, reference, reference_values};
+
 use crate::context::{Context, Sort, Values, parse_size, set_text};
 use crate::output::{self, progress, stdout, write};
 use anyhow::{Context as _, Result, bail};
@@ -174,9 +176,9 @@ impl Found {
             .map(|halves| References::new(halves[output].clone(), &of_output))
             .collect::<Result<_, _>>()?;
         let (count, players) = (references.len(), &experiment.players);
-        let cells: Vec<(Pictures, References)> = pictures[output]
+        let cells: Vec<(&Pictures, &References)> = pictures[output]
             .iter()
-            .flat_map(|pictures| references.iter().map(|references| (pictures.clone(), references.clone())))
+            .flat_map(|pictures| references.iter().map(move |references| (pictures, references)))
             .collect();
         let place = |subset: Subset| experiment.variant(subset) * count + experiment.reference_of(subset);
         let measured: Vec<Cell> = cells
@@ -211,7 +213,7 @@ impl Found {
         let shares = blame::table(&experiment.game, players, &experiment.owing, &stages, &cell);
         let first = &pictures[output][0].images[0];
         let size = (first.width(), first.height());
-        let map = Map::new(&experiment.game, players, size, &cells, &of_output, &place)?;
+        let map = Map::new(&experiment.game, players, size, &cells, &of_output, &place);
         Ok(Found {
             shares,
             map,

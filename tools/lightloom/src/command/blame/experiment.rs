@@ -3,7 +3,7 @@
 use super::Args;
 use crate::context::Context;
 use anyhow::{Context as _, Result, anyhow, bail};
-use blame::{Game, Owing, Pictures, Player, Subset};
+use blame::{Declared, Game, Owing, Pictures, Player, Subset};
 use frame_graph::plan::PlannedPass;
 use frame_graph::{
     CompileOptions, LinkContext, Name, Overrides, Plan, Resolved, Use, Value, name_in_united, original_name,
@@ -70,12 +70,7 @@ impl Experiment {
                 bail!("`{name}` has no output `{}`; it has {}", args.output, known.join(", "));
             }
         }
-        let exact = |pass: &PlannedPass| {
-            let (kind, shader) = (&*pass.kind, pass.shader.as_deref());
-            catalog.exact(Use { kind, shader, inputs: &[], outputs: &pass.overrides }, &pass.settings)
-        };
-        let declared = blame::players(&own.plan, &args.output, own.is_sampled(), exact)
-            .map_err(|error| anyhow!("{}", error.message))?;
+        let declared = declared(context, &own, &args.output)?;
         let base = feeding(&own.plan, &args.output);
         // Passes that reflect light may read direct light too, for another output: irradiance depends on nothing of that.
         let irradiance = |compiled: &Compiled| compiled.plan.output(IRRADIANCE).is_some();
@@ -120,8 +115,6 @@ impl Experiment {
         owing.rest = names(base.iter().filter(|pass| left.contains(pass)));
         let of_irradiance = feeding(&own.plan, IRRADIANCE);
         let reflectance = reflecting(&own.plan, &base, &of_irradiance, &args.output);
-        let settable = own.resolved.settable(&**catalog);
-        let bounces = settable.into_iter().find(|settable| settable.path == "bounces");
         let outputs = std::iter::once(args.output.as_str()).chain(by_irradiance.then_some(IRRADIANCE));
         Ok(Experiment {
             overrides,
@@ -137,7 +130,7 @@ impl Experiment {
             outputs: outputs.map(str::to_owned).collect(),
             has_progress: own.plan.output("progress").is_some(),
             remembers: !own.plan.histories.is_empty(),
-            bounces: bounces.map_or(Value::U32(1), |settable| settable.value),
+            bounces: bounces(context, &own.resolved),
         })
     }
 
@@ -158,20 +151,14 @@ impl Experiment {
         for subset in &self.references {
             let own =
                 exact_players(&self.players, *subset).flat_map(|player| player.reference.iter().cloned());
-            let set = [("bounces", self.bounces.clone()), ("samples", Value::U32(args.samples))];
-            let set = set.map(|(name, value)| (name.to_owned(), value));
+            let set = reference_values(self.bounces.clone(), args.samples);
             let overrides = Overrides(set.into_iter().chain(own).collect());
             let mut halves: BTreeMap<String, Vec<Image>> = BTreeMap::new();
             for seed in REFERENCE_SEEDS {
-                let mut renderer = Renderer::with_scene(Arc::clone(&context.catalog), scene, args.size);
-                renderer.set_seed(seed);
-                renderer.set_frame_index(args.frame);
-                let outputs = self.outputs.iter().cloned().chain(["progress".to_owned()]).collect();
-                renderer.set_compile_options(CompileOptions { outputs, ..compile_options() })?;
-                renderer.set_pipeline(REFERENCE, &overrides)?;
-                renderer.frame_until_done(|_, _| ControlFlow::Continue(()))?;
-                for output in &self.outputs {
-                    halves.entry(output.clone()).or_default().push(renderer.output(output)?);
+                let frame = (args.size, args.frame, seed);
+                let pictures = reference(context, scene, frame, &overrides, &self.outputs)?;
+                for (output, picture) in self.outputs.iter().zip(pictures) {
+                    halves.entry(output.clone()).or_default().push(picture);
                 }
                 bar.inc(1);
             }
@@ -207,6 +194,8 @@ impl Experiment {
         renderer.set_variants(&args.pipeline, &self.overrides, self.variants.clone(), outputs)?;
         let plan = Arc::clone(renderer.plan().context("no plan is loaded")?);
         renderer.set_frame_options(FrameOptions { timed: true, ..FrameOptions::default() });
+        let feeding: BTreeMap<&str, Vec<bool>> =
+            names.values().flatten().map(|name| (name.as_str(), plan.feeding(name))).collect();
         let empty = |names: &Vec<String>| vec![Pictures::default(); names.len()];
         let mut pictures: BTreeMap<String, Vec<Pictures>> =
             names.iter().map(|(output, names)| ((*output).to_owned(), empty(names))).collect();
@@ -234,8 +223,7 @@ impl Experiment {
                 for (name, of) in names[output.as_str()].iter().zip(pictures) {
                     of.images.push(renderer.output(name)?);
                     if !times.is_empty() {
-                        let feeding = plan.feeding(name);
-                        let own = times.iter().zip(feeding).filter(|(_, feeds)| *feeds);
+                        let own = times.iter().zip(&feeding[name.as_str()]).filter(|(_, feeds)| **feeds);
                         of.ms.push(own.map(|(ms, _)| ms).sum());
                     }
                 }
@@ -295,8 +283,48 @@ fn exact_players(players: &[Player], subset: Subset) -> impl Iterator<Item = &Pl
     players.iter().enumerate().filter(move |(at, _)| subset & 1 << at != 0).map(|(_, player)| player)
 }
 
+/// Returns the bounces of indirect light that a pipeline renders.
+pub(crate) fn bounces(context: &Context, own: &Resolved) -> Value {
+    let settable = own.settable(&*context.catalog);
+    let bounces = settable.into_iter().find(|settable| settable.path == "bounces");
+    bounces.map_or(Value::U32(1), |settable| settable.value)
+}
+
+/// Returns the values with which a reference is rendered.
+pub(crate) fn reference_values(bounces: Value, samples: u32) -> Vec<(String, Value)> {
+    vec![("bounces".to_owned(), bounces), ("samples".to_owned(), Value::U32(samples))]
+}
+
+/// Renders a frame, of this size, number and seed, by path tracing; returns its outputs.
+pub(crate) fn reference(
+    context: &Context,
+    scene: &SharedScene,
+    (size, frame, seed): ((u32, u32), u32, u32),
+    values: &Overrides,
+    outputs: &[String],
+) -> Result<Vec<Image>> {
+    let mut renderer = Renderer::with_scene(Arc::clone(&context.catalog), scene, size);
+    renderer.set_seed(seed);
+    renderer.set_frame_index(frame);
+    let wanted = outputs.iter().cloned().chain(["progress".to_owned()]).collect();
+    renderer.set_compile_options(CompileOptions { outputs: wanted, ..compile_options() })?;
+    renderer.set_pipeline(REFERENCE, values)?;
+    renderer.frame_until_done(|_, _| ControlFlow::Continue(()))?;
+    Ok(outputs.iter().map(|output| renderer.output(output)).collect::<Result<_, _>>()?)
+}
+
+/// Returns what the passes of a pipeline declare that an output depends on.
+pub(crate) fn declared(context: &Context, own: &Compiled, output: &str) -> Result<Declared> {
+    let exact = |pass: &PlannedPass| {
+        let (kind, shader) = (&*pass.kind, pass.shader.as_deref());
+        let use_ = Use { kind, shader, inputs: &[], outputs: &pass.overrides };
+        context.catalog.exact(use_, &pass.settings)
+    };
+    blame::players(&own.plan, output, own.is_sampled(), exact).map_err(|error| anyhow!("{}", error.message))
+}
+
 /// Returns a pipeline in which some players are exact.
-fn changed<'p>(own: &Resolved, players: impl IntoIterator<Item = &'p Player>) -> Resolved {
+pub(crate) fn changed<'p>(own: &Resolved, players: impl IntoIterator<Item = &'p Player>) -> Resolved {
     let changes = players.into_iter().flat_map(|player| &player.changes);
     own.changed(changes.map(|(pass, change)| (pass.as_str(), change)))
 }

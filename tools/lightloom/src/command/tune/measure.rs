@@ -1,10 +1,11 @@
 //! Renders points, and keeps what was measured.
 
+use super::super::blame::{bounces, reference, reference_values};
 use super::Args;
 use super::space::Space;
 use crate::context::Context;
 use anyhow::{Context as _, Result, anyhow};
-use frame_graph::{CompileOptions, LinkContext, Overrides, Value};
+use frame_graph::{CompileOptions, LinkContext, Overrides};
 use indicatif::ProgressBar;
 use metrics::statistics::median;
 use metrics::{Epsilon, Image, Pair};
@@ -18,8 +19,8 @@ use std::sync::Arc;
 use tune::{Evaluate, Measured, Point};
 use xxhash_rust::xxh3::xxh3_128;
 
-/// The pipeline that references are rendered by, and their seed.
-const REFERENCE: (&str, u32) = ("reference", 0x5eed_0001);
+/// The seed of references: far from those of pictures.
+const REFERENCE_SEED: u32 = 0x5eed_0001;
 
 /// The frames whose median time counts, or fewer where they take this long together \[ms\].
 const TIMED_FRAMES: usize = 5;
@@ -146,19 +147,10 @@ impl<'a> Measurer<'a> {
         let scene = &self.scenes[at];
         let own =
             frame_graph::resolve(&args.pipeline, context.catalog.pipelines(), &args.values.overrides())?;
-        let settable = own.settable(&*context.catalog);
-        let bounces = settable.into_iter().find(|settable| settable.path == "bounces");
-        let bounces = bounces.map_or(Value::U32(1), |settable| settable.value);
-        let values = [("bounces", bounces), ("samples", Value::U32(args.samples))];
-        let values = Overrides(values.map(|(name, value)| (name.to_owned(), value)).to_vec());
-        let mut renderer = Renderer::with_scene(Arc::clone(&context.catalog), &scene.shared, args.size);
-        renderer.set_seed(REFERENCE.1);
-        renderer.set_frame_index(args.frame);
-        let outputs = vec![args.output.clone(), "progress".to_owned()];
-        renderer.set_compile_options(CompileOptions { outputs, ..compile_options() })?;
-        renderer.set_pipeline(REFERENCE.0, &values)?;
-        renderer.frame_until_done(|_, _| ControlFlow::Continue(()))?;
-        let picture = renderer.output(&args.output)?;
+        let values = Overrides(reference_values(bounces(context, &own), args.samples));
+        let frame = (args.size, args.frame, REFERENCE_SEED);
+        let outputs = std::slice::from_ref(&args.output);
+        let picture = reference(context, &scene.shared, frame, &values, outputs)?.swap_remove(0);
         self.scenes[at].reference = Some(picture.clone());
         Ok(picture)
     }

@@ -1,11 +1,11 @@
 //! What `lightloom tune` may change: parameters of a pipeline, and what its passes declare as exact.
 
+use super::super::blame::{changed, declared};
 use super::Args;
 use crate::context::{Context, unknown};
 use anyhow::{Result, anyhow, bail};
 use blame::Player;
-use frame_graph::plan::PlannedPass;
-use frame_graph::{LinkContext, Overrides, Resolved, Settable, Use, Value, ValueType};
+use frame_graph::{LinkContext, Overrides, Resolved, Settable, Value, ValueType};
 use renderer::{Compiled, compile_options};
 use tune::{Axis, Point};
 
@@ -144,9 +144,7 @@ impl Space {
         if chosen.len() < exact.len() {
             return Ok(None);
         }
-        let changes = chosen.into_iter().flat_map(|player| &player.changes);
-        let resolved = own.resolved.changed(changes.map(|(pass, change)| (pass.as_str(), change)));
-        Ok(Some((overrides, resolved)))
+        Ok(Some((overrides, changed(&own.resolved, chosen))))
     }
 }
 
@@ -160,13 +158,7 @@ fn players(context: &Context, own: &Compiled, output: &str) -> Result<Vec<Player
         let known: Vec<&str> = own.plan.outputs.iter().map(|output| &*output.name).collect();
         bail!("there is no output `{output}`; there are {}", known.join(", "));
     }
-    let exact = |pass: &PlannedPass| {
-        let (kind, shader) = (&*pass.kind, pass.shader.as_deref());
-        let use_ = Use { kind, shader, inputs: &[], outputs: &pass.overrides };
-        context.catalog.exact(use_, &pass.settings)
-    };
-    let declared = blame::players(&own.plan, output, own.is_sampled(), exact);
-    Ok(declared.map_err(|error| anyhow!("{}", error.message))?.players)
+    Ok(declared(context, own, output)?.players)
 }
 
 /// Returns the axis of a parameter: all values that it may have, or some around its default; `None` where there is no other.
