@@ -45,6 +45,13 @@ impl Finding<'_> {
             _ => None,
         }
     }
+
+    /// Returns why the claim does not hold or is not decided, as the study states it; `None` where it holds, and where the
+    /// study states no reason.
+    pub fn reason(&self) -> Option<&str> {
+        let open = matches!(self.verdict, Some(Verdict::Fails | Verdict::Undecided));
+        Some(self.claim.because.as_str()).filter(|reason| open && !reason.is_empty())
+    }
 }
 
 impl Results {

@@ -22,6 +22,9 @@ pub struct Claim {
     pub scenes: Vec<At<String>>,
     /// Where the paper makes the claim; may be empty.
     pub says: String,
+    /// Why it does not hold, where an experiment has shown it; may be empty.
+    #[serde(default)]
+    pub because: String,
 }
 
 /// A relation between means over cells, or of them to an axis.

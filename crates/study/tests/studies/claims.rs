@@ -97,6 +97,25 @@ fn report_and_page_show_what_holds() {
     assert!(read("pages/claims.md").contains(lines[4]));
 }
 
+/// The reason that a study states is shown where its claim does not hold, and nowhere else.
+#[test]
+fn reasons_stand_beside_what_does_not_hold() {
+    let claims = "
+        Order(measure: \"gpu-ms\", rising: [\"fast\", \"slow\"], because: \"rays wait\"),
+        Order(measure: \"gpu-ms\", rising: [\"slow\", \"fast\"], because: \"memory is slow\"),
+        Order(measure: \"memory\", rising: [\"fast\", \"slow\"])";
+    let (folder, ran) = done(&plan(claiming(claims)));
+    let findings = ran.results.findings();
+    let reasons: Vec<Option<&str>> = findings.iter().map(Finding::reason).collect();
+    assert_eq!(reasons, [None, Some("memory is slow"), None]);
+    study::report(&ran.results, folder.path()).unwrap();
+    let table = fs::read_to_string(folder.path().join("tables/claims.md")).unwrap();
+    let ends: Vec<&str> =
+        table.lines().skip(4).map(|line| line.rsplit_once("ms |").map_or(line, |end| end.1)).collect();
+    assert!(ends[0].ends_with("holds |  |"), "{table}");
+    assert!(ends[1].ends_with("**does not hold** | memory is slow |"), "{table}");
+}
+
 #[test]
 fn other_claims_run_nothing() {
     let folder = tempfile::tempdir().unwrap();

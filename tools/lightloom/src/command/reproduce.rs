@@ -174,7 +174,9 @@ fn empty(args: &Args, adapter: &str) -> Table {
         caption: format!(
             "The findings of the paper, on {adapter}; {scale}. Intervals are of 95 % over seeds."
         ),
-        columns: ["Where", "Study", "Claim", "The paper", "Scene", "Measured", "Result"].map(text).to_vec(),
+        columns: ["Where", "Study", "Claim", "The paper", "Scene", "Measured", "Result", "Why"]
+            .map(text)
+            .to_vec(),
         rows: Vec::new(),
     }
 }
@@ -185,10 +187,15 @@ fn add(table: &mut Table, results: &Results) {
     let own = || [Entry::Text(study.paper.clone()), Entry::Text(study.name.clone())];
     match study::claims(results) {
         Some(claims) => {
-            table.rows.extend(claims.rows.into_iter().map(|row| own().into_iter().chain(row).collect()));
+            table.rows.extend(claims.rows.into_iter().map(|row| {
+                let mut row: Vec<Entry> = own().into_iter().chain(row).collect();
+                // A study of which no reason applies has no column for them.
+                row.resize(table.columns.len(), Entry::Text(String::new()));
+                row
+            }));
         }
         None => {
-            let rest = ["no claim", "", "", "", ""].map(|text| Entry::Text(text.to_owned()));
+            let rest = ["no claim", "", "", "", "", ""].map(|text| Entry::Text(text.to_owned()));
             table.rows.push(own().into_iter().chain(rest).collect());
         }
     }
@@ -203,6 +210,6 @@ fn row(results: &Results, finding: &Finding<'_>) -> Json {
     };
     json!({
         "where": results.study.paper, "study": results.study.name, "says": finding.claim.says,
-        "scenes": finding.scenes, "means": finding.means, "ratio": finding.ratio(), "verdict": verdict,
+        "scenes": finding.scenes, "means": finding.means, "ratio": finding.ratio(), "verdict": verdict, "because": finding.reason(),
     })
 }

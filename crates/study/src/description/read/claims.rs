@@ -21,6 +21,7 @@ pub(super) enum ClaimFile {
         at: PinsFile,
         scenes: Option<Spanned<Vec<Text>>>,
         says: Option<String>,
+        because: Option<String>,
     },
     Ratio {
         measure: Text,
@@ -31,6 +32,7 @@ pub(super) enum ClaimFile {
         at: PinsFile,
         scenes: Option<Spanned<Vec<Text>>>,
         says: Option<String>,
+        because: Option<String>,
     },
     Bound {
         measure: Text,
@@ -40,6 +42,7 @@ pub(super) enum ClaimFile {
         at: PinsFile,
         scenes: Option<Spanned<Vec<Text>>>,
         says: Option<String>,
+        because: Option<String>,
     },
     Growth {
         measure: Text,
@@ -50,6 +53,7 @@ pub(super) enum ClaimFile {
         at: PinsFile,
         scenes: Option<Spanned<Vec<Text>>>,
         says: Option<String>,
+        because: Option<String>,
     },
 }
 
@@ -73,27 +77,27 @@ impl Checks<'_, '_> {
 
     fn claim(&mut self, file: Spanned<ClaimFile>) -> Claim {
         let place = self.reader.head(file.place);
-        let (measure, relation, at, scenes, says) = match file.value {
-            ClaimFile::Order { measure, rising, at, scenes, says } => {
-                (measure, self.order(rising), at, scenes, says)
+        let (measure, relation, at, scenes, says, because) = match file.value {
+            ClaimFile::Order { measure, rising, at, scenes, says, because } => {
+                (measure, self.order(rising), at, scenes, says, because)
             }
-            ClaimFile::Ratio { measure, of, to, at_least, at_most, at, scenes, says } => {
+            ClaimFile::Ratio { measure, of, to, at_least, at_most, at, scenes, says, because } => {
                 let (of, to) = (self.pick(of), self.pick(to));
                 let help = ("a ratio needs a bound", "add `at_most: 0.5` or `at_least: 2.0`");
                 let (at_least, at_most) = self.bounds(at_least, at_most, place, help, Self::positive);
-                (measure, Relation::Ratio { of, to, at_least, at_most }, at, scenes, says)
+                (measure, Relation::Ratio { of, to, at_least, at_most }, at, scenes, says, because)
             }
-            ClaimFile::Bound { measure, of, at_least, at_most, at, scenes, says } => {
+            ClaimFile::Bound { measure, of, at_least, at_most, at, scenes, says, because } => {
                 let of = self.pick(of);
                 let help = ("a bound needs a number", "add `at_most: 20` or `at_least: 0.5`");
                 let (at_least, at_most) = self.bounds(at_least, at_most, place, help, Self::finite);
-                (measure, Relation::Bound { of, at_least, at_most }, at, scenes, says)
+                (measure, Relation::Bound { of, at_least, at_most }, at, scenes, says, because)
             }
-            ClaimFile::Growth { measure, of, over, at_least, at_most, at, scenes, says } => {
+            ClaimFile::Growth { measure, of, over, at_least, at_most, at, scenes, says, because } => {
                 let (of, over) = (self.pick(of), self.at(over));
                 let help = ("an exponent needs a bound", "add `at_most: 1.0` or `at_least: 0.5`");
                 let (at_least, at_most) = self.bounds(at_least, at_most, place, help, Self::finite);
-                (measure, Relation::Growth { of, over, at_least, at_most }, at, scenes, says)
+                (measure, Relation::Growth { of, over, at_least, at_most }, at, scenes, says, because)
             }
         };
         Claim {
@@ -102,6 +106,7 @@ impl Checks<'_, '_> {
             at: self.pins(at),
             scenes: scenes.map(|names| self.names(names, "a scene")).unwrap_or_default(),
             says: says.unwrap_or_default(),
+            because: because.unwrap_or_default(),
         }
     }
 

@@ -13,17 +13,21 @@ pub(in crate::report) fn of_claims(digest: &Digest<'_>) -> Option<Table> {
     if findings.is_empty() {
         return None;
     }
-    let columns = vec![
+    let mut columns = vec![
         Column::text("Claim", ""),
         Column::text("From", "Where it is said"),
         Column::text("Scene", ""),
         Column::text("Measured", "Means in the order of the claim"),
         Column::text("Result", ""),
     ];
+    let has_reasons = findings.iter().any(|finding| finding.reason().is_some());
+    if has_reasons {
+        columns.push(Column::text("Why", "As the study states it, where a claim does not hold"));
+    }
     let row = |finding: &Finding<'_>| {
         let info = info_of(&digest.results.study.measures, &finding.claim.measure.value);
         let info = info.as_ref();
-        vec![
+        let mut row = vec![
             Entry::Text(claim_text(finding.claim, info)),
             Entry::Text(finding.claim.says.clone()),
             Entry::Text(match finding.adapter {
@@ -32,7 +36,11 @@ pub(in crate::report) fn of_claims(digest: &Digest<'_>) -> Option<Table> {
             }),
             Entry::Text(measured_text(finding, info)),
             verdict_entry(finding.verdict),
-        ]
+        ];
+        if has_reasons {
+            row.push(Entry::Text(finding.reason().unwrap_or_default().to_owned()));
+        }
+        row
     };
     let count = |verdict| findings.iter().filter(|finding| finding.verdict == verdict).count();
     let mut caption = format!("Claims: {} of {} hold", count(Some(Verdict::Holds)), findings.len());
