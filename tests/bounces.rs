@@ -16,7 +16,7 @@ fn apart([first, second, third]: [f64; 3]) -> [f64; 3] {
 /// Returns the energy of so many bounces by path tracing.
 fn path_traced(scene: &str, bounces: u32) -> Option<f64> {
     let bounces = format!("bounces={bounces}");
-    let values = [&bounces[..], "samples=512", "samples_per_frame=64", "filter=centre"];
+    let values = [&bounces[..], "samples=128", "samples_per_frame=64", "filter=centre"];
     let mut renderer = renderer("reference", scene, SIZE, &values)?;
     done(&mut renderer);
     Some(energy(&renderer.output("indirect").unwrap()))

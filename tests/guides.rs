@@ -66,7 +66,7 @@ fn run(folder: &Path, command: &str) -> (Option<i32>, String) {
 /// A command that renders as many pixels and frames as show whether it works.
 fn smaller(command: &str) -> String {
     let mut words: Vec<&str> = command.split_whitespace().collect();
-    if words.get(1) != Some(&"render") {
+    if !["render", "study"].contains(words.get(1).unwrap_or(&"")) {
         return command.to_owned();
     }
     // A size that the page states is one that it compares pictures of.

@@ -66,7 +66,7 @@ fn the_estimate_is_of_the_size_of_the_error() {
         done(&mut renderer);
         Some((renderer.output("image").unwrap(), renderer.progress().unwrap().unwrap().error))
     };
-    let Some((fine, _)) = picture(4096, 99) else { return };
+    let Some((fine, _)) = picture(2048, 99) else { return };
     for (samples, seeds, most) in [(16, 8, 2.0), (256, 4, 2.5)] {
         let ratios: Vec<f64> = (1..=seeds)
             .map(|seed| {

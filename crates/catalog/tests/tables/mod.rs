@@ -1,6 +1,8 @@
 //! Tables in documents that repeat what WGSL, Rust and RON declare. With `LIGHTLOOM_BLESS` set, as by
 //! `cargo xtask docs`, they are written; without, the test fails where they are out of date.
 
+mod results;
+
 use super::{assets, passes, use_of};
 use catalog::Catalog;
 use frame_graph::port::PassTypes;
@@ -28,6 +30,7 @@ fn tables_of_documents_are_up_to_date() {
     tables.push(("README.md".to_owned(), "pipelines", pipeline_table(&catalog, false)));
 
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    tables.push(("docs/results.md".to_owned(), "findings", results::table(&root)));
     let bless = std::env::var_os("LIGHTLOOM_BLESS").is_some();
     let mut stale = Vec::new();
     for (path, name, table) in &tables {
