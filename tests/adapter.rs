@@ -5,7 +5,7 @@ use metrics::Image;
 use renderer::{Assets, Catalog, Gpu, Renderer, parse_value};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, LazyLock, OnceLock};
 
 /// The root of the tree.
 pub(crate) fn root() -> PathBuf {
@@ -24,7 +24,15 @@ pub(crate) fn names_in(folder: &str) -> Vec<String> {
 /// The device of the process; `None`, said on stderr, where there is no adapter.
 pub(crate) fn gpu() -> Option<Gpu> {
     static GPU: OnceLock<Option<Gpu>> = OnceLock::new();
-    GPU.get_or_init(|| Gpu::open().inspect_err(|error| eprintln!("skipped: {error}")).ok()).clone()
+    let open = || Gpu::open().inspect_err(|error| eprintln!("skipped: {error}")).ok();
+    // What the tests render differs in values more often than in shaders.
+    GPU.get_or_init(|| open().map(Gpu::with_shared_pipelines)).clone()
+}
+
+/// What the tree holds, read once.
+fn tree() -> Arc<Catalog> {
+    static TREE: LazyLock<Arc<Catalog>> = LazyLock::new(|| Arc::new(Catalog::new(Assets::new(Some(root())))));
+    Arc::clone(&TREE)
 }
 
 /// `name=value` pairs.
@@ -41,8 +49,17 @@ pub(crate) fn renderer_in(
     size: (u32, u32),
     values: &[&str],
 ) -> Option<Renderer> {
+    renderer_of(Arc::new(Catalog::new(Assets::new(Some(root.to_owned())))), pipeline, scene, size, values)
+}
+
+fn renderer_of(
+    catalog: Arc<Catalog>,
+    pipeline: &str,
+    scene: &str,
+    size: (u32, u32),
+    values: &[&str],
+) -> Option<Renderer> {
     let gpu = gpu()?;
-    let catalog = Arc::new(Catalog::new(Assets::new(Some(root.to_owned()))));
     let scene = renderer::load_scene(&catalog, scene).unwrap_or_else(|error| panic!("{error}"));
     let mut renderer = Renderer::new(gpu, catalog, scene, size).unwrap_or_else(|error| panic!("{error}"));
     renderer.set_pipeline(pipeline, &set(values)).unwrap_or_else(|error| panic!("{error}"));
@@ -51,7 +68,7 @@ pub(crate) fn renderer_in(
 
 /// A renderer on the files of the tree.
 pub(crate) fn renderer(pipeline: &str, scene: &str, size: (u32, u32), values: &[&str]) -> Option<Renderer> {
-    renderer_in(&root(), pipeline, scene, size, values)
+    renderer_of(tree(), pipeline, scene, size, values)
 }
 
 /// Runs frames until the pipeline says that it is done, and returns their number.

@@ -1,6 +1,7 @@
 //! The device: opened here, or passed in by an application.
 
 use crate::error::ExecutorError;
+use crate::pipeline::Pipelines;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use wgpu::{Adapter, AdapterInfo, Backends, Device, Features, Instance, Limits, Queue};
@@ -19,6 +20,8 @@ pub struct Gpu {
     /// The bytes that plans may take; `None` where the memory of the adapter is not known.
     memory: Option<u64>,
     faults: Arc<Faults>,
+    /// What the executors on this device share, where they do.
+    pipelines: Option<Arc<Mutex<Pipelines>>>,
 }
 
 /// The errors that a device has reported outside of the calls that caused them.
@@ -100,6 +103,18 @@ impl Gpu {
         Ok(Gpu { instance: Some(instance), memory: memory_of(adapter), ..gpu })
     }
 
+    /// Lets all executors on this device and its clones share their pipelines, and keeps those that none uses any more, some
+    /// hundreds of them: for a program in which one renderer follows another.
+    pub fn with_shared_pipelines(self) -> Gpu {
+        const MOST_UNUSED: usize = 256;
+        Gpu { pipelines: Some(Arc::new(Mutex::new(Pipelines::keeping(MOST_UNUSED)))), ..self }
+    }
+
+    /// Returns the pipelines for an executor: its own, or those that all share.
+    pub(crate) fn pipelines(&self) -> Arc<Mutex<Pipelines>> {
+        self.pipelines.clone().unwrap_or_default()
+    }
+
     /// Refuses plans that need more bytes, before any of their objects is created.
     pub fn with_memory(self, bytes: u64) -> Gpu {
         Gpu { memory: Some(bytes), ..self }
@@ -142,7 +157,7 @@ impl Gpu {
                 wgpu::DeviceLostReason::Unknown => message,
             });
         });
-        Gpu { device, queue, info, instance: None, memory: None, faults }
+        Gpu { device, queue, info, instance: None, memory: None, faults, pipelines: None }
     }
 
     /// Returns the first error since the last call, if there was one. A device that is gone has one in every call.

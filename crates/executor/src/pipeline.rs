@@ -43,6 +43,8 @@ struct Key {
 pub(crate) struct Pipelines {
     made: HashMap<Key, Arc<Pipeline>>,
     modules: HashMap<u128, wgpu::ShaderModule>,
+    /// The most pipelines out of use that are kept.
+    most_unused: usize,
 }
 
 /// Formats of a step's targets.
@@ -102,8 +104,16 @@ impl Pipelines {
         Arc::clone(&self.made[&Key::new(step, formats)])
     }
 
-    /// Drops pipelines and modules of shaders that are in use no more.
+    /// Creates an empty set that keeps so many pipelines out of use.
+    pub(crate) fn keeping(most_unused: usize) -> Pipelines {
+        Pipelines { most_unused, ..Pipelines::default() }
+    }
+
+    /// Drops pipelines and modules of shaders that are in use no more, where there are more of them than are kept.
     pub(crate) fn trim(&mut self, used: &HashSet<u128>) {
+        if self.made.keys().filter(|key| !used.contains(&key.shader)).count() <= self.most_unused {
+            return;
+        }
         self.made.retain(|key, _| used.contains(&key.shader));
         self.modules.retain(|hash, _| used.contains(hash));
     }

@@ -17,7 +17,7 @@ use frame_graph::plan::{Begins, HistoryId, PassId, Plan, ResourceId};
 use frame_graph::{Change, ResetCause, ResourceDesc};
 use pass::{LinkedStep, LinkedSteps};
 use std::collections::HashMap;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// Options of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -74,7 +74,7 @@ pub struct FrameReport {
 pub struct Executor {
     gpu: Gpu,
     pool: Pool,
-    pipelines: Pipelines,
+    pipelines: Arc<Mutex<Pipelines>>,
     scene_bindings: HashMap<&'static str, SceneBinding>,
     chosen_lights: HashMap<ChosenLights, wgpu::Buffer>,
     scene_indices: u32,
@@ -108,10 +108,11 @@ struct Loaded {
 impl Executor {
     /// Creates an executor on a device, with nothing loaded.
     pub fn new(gpu: Gpu) -> Executor {
+        let pipelines = gpu.pipelines();
         Executor {
             gpu,
             pool: Pool::default(),
-            pipelines: Pipelines::default(),
+            pipelines,
             scene_bindings: HashMap::new(),
             chosen_lights: HashMap::new(),
             scene_indices: 0,

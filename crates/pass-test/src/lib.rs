@@ -96,7 +96,7 @@ pub fn member<'a, T: NoUninit>(name: &'a str, desc: ResourceDesc, content: &[T])
 pub fn gpu() -> Option<Gpu> {
     static GPU: OnceLock<Option<Gpu>> = OnceLock::new();
     GPU.get_or_init(|| match Gpu::open() {
-        Ok(gpu) => Some(gpu),
+        Ok(gpu) => Some(gpu.with_shared_pipelines()),
         Err(error) => {
             eprintln!("skipped: {error}");
             None

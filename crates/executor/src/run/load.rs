@@ -14,7 +14,7 @@ use frame_graph::plan::{AllocationId, PassId, Plan};
 use frame_graph::{Change, Name, Succession, Value};
 use pass::LinkedSteps;
 use std::collections::{HashMap, HashSet};
-use std::sync::Arc;
+use std::sync::{Arc, PoisonError};
 
 /// An object that is kept for another plan, with its content.
 struct Carried {
@@ -103,7 +103,7 @@ impl Executor {
         report.changed = differs.changed;
         let loaded = self.loaded.iter().flat_map(|loaded| loaded.steps.iter().flatten());
         let used: HashSet<u128> = loaded.map(LoadedStep::shader_hash).collect();
-        self.pipelines.trim(&used);
+        self.pipelines.lock().unwrap_or_else(PoisonError::into_inner).trim(&used);
         Ok((report, differs.reloaded))
     }
 
@@ -148,14 +148,15 @@ impl Executor {
             let name = plan.passes[*i].name.as_str();
             steps.iter().map(move |step| (name, &**step, TargetFormats::of(plan, step)))
         });
-        let pipelines = self.pipelines.create(&self.gpu, of_pass)?;
+        let mut pipelines = self.pipelines.lock().unwrap_or_else(PoisonError::into_inner);
+        let created = pipelines.create(&self.gpu, of_pass)?;
         let build = |(i, steps): (usize, LinkedSteps)| {
             let pass = &plan.passes[i];
             let steps = steps.into_iter();
-            let row = steps.map(|step| LoadedStep::new(&self.gpu, &self.pipelines, plan, pass, step));
+            let row = steps.map(|step| LoadedStep::new(&self.gpu, &pipelines, plan, pass, step));
             (PassId(i as u32), row.collect())
         };
-        Ok((others.into_iter().map(build).collect(), pipelines))
+        Ok((others.into_iter().map(build).collect(), created))
     }
 
     /// Compares passes whose steps were built with the loaded ones, by name.

@@ -421,3 +421,23 @@ fn loading_again_keeps_what_is_the_same() {
     let expected = (1..=32).map(|first: u32| (0..3).fold(first, |x, _| 3 * x + 1)).collect::<Vec<_>>();
     assert_eq!(running.read("p4.out"), expected);
 }
+
+/// An executor on a device with shared pipelines makes none that one before it has made, though that one is gone, and renders
+/// the same.
+#[test]
+fn an_executor_takes_the_pipelines_of_one_before() {
+    let Some(gpu) = gpu() else { return };
+    let gpu = gpu.with_shared_pipelines();
+    let (kinds, passes, outputs) = chain(3);
+    let workshop = Workshop::new(kinds, CHAIN);
+    let run = |gpu: executor::Gpu| {
+        let mut running = Running(executor::Executor::new(gpu));
+        let report = running.load(workshop.link(&passes, &outputs).unwrap()).unwrap();
+        running.frame();
+        (report.pipelines, running.read("p3.out"))
+    };
+    let (made, first) = run(gpu.clone());
+    assert!(made > 0, "a set of its own begins empty");
+    assert_eq!(run(gpu.clone()), (0, first.clone()));
+    assert_eq!(run(gpu.with_shared_pipelines()), (made, first), "another set");
+}

@@ -91,7 +91,8 @@ impl GpuLaboratory {
 }
 
 fn open(adapter: Option<&str>) -> Result<Gpu, ExecutorError> {
-    adapter.map_or_else(Gpu::open, Gpu::open_adapter)
+    // Cells differ in seeds and values far more often than in shaders.
+    adapter.map_or_else(Gpu::open, Gpu::open_adapter).map(Gpu::with_shared_pipelines)
 }
 
 fn options(keep: Vec<String>) -> CompileOptions {
