@@ -1,5 +1,6 @@
 //! Image files. A new file is complete or absent: it is written under a temporary name, and then renamed.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufWriter, Cursor, Write};
 use std::path::Path;
@@ -182,6 +183,38 @@ pub fn read_provenance(path: impl AsRef<Path>) -> Result<Option<String>, ImageEr
             expected: ".exr, .png, .pfm or .hdr",
         }),
     }
+}
+
+/// Returns the attributes of an EXR file that are texts or numbers, by name: what the program that wrote it says of it. Files of
+/// other formats have none.
+///
+/// # Errors
+/// Those of [`Image::read`].
+pub fn read_attributes(path: impl AsRef<Path>) -> Result<BTreeMap<String, String>, ImageError> {
+    let path = path.as_ref();
+    if FileFormat::of(path) != Some(FileFormat::Exr) {
+        return Ok(BTreeMap::new());
+    }
+    let meta = exr_meta(path, &read_bytes(path)?)?;
+    let mut found = BTreeMap::new();
+    for header in &meta.headers {
+        let software =
+            header.own_attributes.software_name.iter().map(|text| ("software".to_owned(), text.to_string()));
+        let comments =
+            header.own_attributes.comments.iter().map(|text| ("comments".to_owned(), text.to_string()));
+        let others = header.own_attributes.other.iter().filter_map(|(name, value)| {
+            let text = match value {
+                exr::AttributeValue::Text(text) => text.to_string(),
+                exr::AttributeValue::F32(number) => number.to_string(),
+                exr::AttributeValue::F64(number) => number.to_string(),
+                exr::AttributeValue::I32(number) => number.to_string(),
+                _ => return None,
+            };
+            Some((name.to_string(), text))
+        });
+        found.extend(software.chain(comments).chain(others));
+    }
+    Ok(found)
 }
 
 fn write_exr(

@@ -6,6 +6,7 @@
 //!   energy, difference images.
 //! * [`flip`] and [`hdr_flip`]: the perceived difference ꟻLIP.
 //! * [`Comparison`]: all of these at once, as a table or as JSON.
+//! * [`misalignment`]: signs that two pictures are not of the same camera.
 //! * [`temporal`]: flicker, error over time, and lag of a sequence of frames.
 //! * [`virtual_lights`]: how many lights reach the image, how many move, and how much energy a clamp removes.
 //! * [`decode`]: decodes foreign pictures, within bounds; scenes use it for their textures.
@@ -15,6 +16,7 @@
 //! Sums are `f64` in a fixed order, over each row and then over the rows, so a measure does not depend on the
 //! number of threads.
 
+mod alignment;
 mod compare;
 mod difference;
 mod display;
@@ -33,10 +35,11 @@ pub mod temporal;
 pub mod tev;
 pub mod virtual_lights;
 
+pub use alignment::{Misalignment, misalignment};
 pub use compare::{Comparison, ComparisonOptions, FlipStatistics};
 pub use display::{Display, Tonemap, linear_from_srgb, srgb_from_linear};
 pub use error::ImageError;
-pub use file::{FileFormat, PROVENANCE_KEY, read_provenance};
+pub use file::{FileFormat, PROVENANCE_KEY, read_attributes, read_provenance};
 pub use flip::{FlipMap, PIXELS_PER_DEGREE, flip, hdr_flip};
 pub use image::{Glance, Image, luminance};
 pub use pair::{DEFAULT_TRIM, Epsilon, NonFinite, Pair};
