@@ -4,6 +4,7 @@
 //! scenes/*.ron ─describe─▶ Description ┐
 //! *.glb, *.gltf ─import─▶ Model        ├─assemble─▶ Scene ─at(time)─▶ Pose
 //! made by code ─────────▶ Model        ┘              └─traits─▶ data_file::Traits
+//! Scene + Pose ─to_glb─▶ *.glb, for other renderers
 //! scenes/*.ron + SceneEdit ─save─▶ scenes/*.ron, with the rest of its text as it was
 //! ```
 //!
@@ -28,6 +29,7 @@ mod edit;
 mod emitters;
 mod environment;
 mod error;
+mod export;
 mod files;
 mod hash;
 mod import;

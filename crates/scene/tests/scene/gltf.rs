@@ -128,7 +128,7 @@ fn materials_are_read_with_their_extensions() {
 }
 
 /// A PNG of 2 × 1 pixels: red and half-transparent green.
-fn png() -> Vec<u8> {
+pub(crate) fn png() -> Vec<u8> {
     let image = image::RgbaImage::from_raw(2, 1, vec![255, 0, 0, 255, 0, 255, 0, 128]).expect("2 × 1 pixels");
     let mut out = std::io::Cursor::new(Vec::new());
     image.write_to(&mut out, image::ImageFormat::Png).expect("encoded");
@@ -136,7 +136,7 @@ fn png() -> Vec<u8> {
 }
 
 /// A textured square; `image` says where its image is.
-fn textured(image: Value, bytes: &[u8]) -> Glb {
+pub(crate) fn textured(image: Value, bytes: &[u8]) -> Glb {
     let mut glb = Glb::square();
     let uvs = glb.floats("VEC2", &[0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
     glb.attribute("TEXCOORD_0", uvs);

@@ -10,6 +10,7 @@ mod dense;
 mod description;
 mod editing;
 mod environment;
+mod export;
 mod extremes;
 mod far;
 mod gltf;
