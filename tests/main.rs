@@ -13,6 +13,8 @@ mod cli;
 mod clusters;
 mod direct;
 mod errors;
+#[cfg(unix)]
+mod external;
 mod faults;
 mod flux;
 mod frames;

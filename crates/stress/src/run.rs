@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use study::{
     AxisValue, Event, Interval, Laboratory, PipelineRecord, Plan, Results, Run, RunOptions, RunRequest,
-    SceneRecord, StudyError,
+    SceneFacts, SceneRecord, StudyError,
 };
 
 /// A pipeline with its properties.
@@ -118,11 +118,16 @@ struct Cells<'a> {
 
 impl Cells<'_> {
     fn plan(&self) -> Plan {
-        let scenes = self.all.iter().map(|case| SceneRecord {
-            name: case.name.clone(),
-            about: case.about.clone(),
-            hash: String::new(),
-            triangles: 0,
+        let scenes = self.all.iter().map(|case| SceneFacts {
+            record: SceneRecord {
+                name: case.name.clone(),
+                about: case.about.clone(),
+                hash: String::new(),
+                triangles: 0,
+            },
+            moves: false,
+            seconds_per_frame: 0.0,
+            small_length: 0.0,
         });
         let pipelines = self.subjects.iter().map(|subject| PipelineRecord {
             name: subject.name.clone(),
@@ -138,7 +143,10 @@ impl Cells<'_> {
                 for seed in 0..=self.seeds.get(&id).copied().unwrap_or(0) {
                     let request = RunRequest { seed, ..self.options.request(subject, case) };
                     let reference = match case.expect {
-                        Expect::Truth => Some(self.options.reference(subject, case)),
+                        Expect::Truth => {
+                            let request = self.options.reference(subject, case);
+                            Some((format!("pipeline {}", request.pipeline), request))
+                        }
                         _ => None,
                     };
                     runs.push(Run { scene, pipeline, request, reference });

@@ -18,4 +18,5 @@ data_file::codes! {
     CLAIM = "T015": "A claim names what is not measured, run or varied, or says nothing that could fail.";
     FIGURE = "T016": "There is no such figure among those of the passes of the study.";
     COLD = "T017": "Times are measured without a frame before them, in which the driver compiles.";
+    COMMAND = "T018": "The command of an external program cannot be run as it is written: a placeholder is missing or unknown, or a quotation mark is open.";
 }

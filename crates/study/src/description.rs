@@ -5,6 +5,7 @@ mod consistency;
 mod read;
 
 use crate::codes;
+use crate::external::External;
 use crate::laboratory::Registry;
 use crate::measure::Measure;
 use crate::plan::Plan;
@@ -139,10 +140,12 @@ pub enum Pipelines {
 pub struct Variant {
     /// The name in tables.
     pub name: At<String>,
-    /// Name or path of the pipeline.
+    /// Name or path of the pipeline; of another renderer, its command.
     pub pipeline: At<String>,
     /// Values that hold in all its cells.
     pub set: Vec<Set>,
+    /// The other renderer in place of a pipeline.
+    pub external: Option<External>,
 }
 
 /// Passes whose GPU times are added up.

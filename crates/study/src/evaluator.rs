@@ -11,7 +11,10 @@ use crate::record::{FrameSeries, PassTime};
 use crate::reference::Truth;
 use metrics::temporal::{self, ErrorSeries, FrameError, TRACKED_PIXELS, Tid, View};
 use metrics::virtual_lights::{self, Receiver};
-use metrics::{DEFAULT_TRIM, Display, Epsilon, Image, PIXELS_PER_DEGREE, Pair, flip, hdr_flip, luminance};
+use metrics::{
+    DEFAULT_TRIM, Display, Epsilon, Image, Misalignment, PIXELS_PER_DEGREE, Pair, flip, hdr_flip, luminance,
+    misalignment,
+};
 use series::Series;
 use std::collections::BTreeMap;
 use times::Times;
@@ -328,6 +331,13 @@ impl<'a> Evaluator<'a> {
             flip: flip_map,
             failure: failure.or(unknown),
         }
+    }
+
+    /// Returns a sign that the last frame is not of the camera of its reference.
+    pub(crate) fn misalignment(&mut self) -> Option<Misalignment> {
+        let index = self.frames.checked_sub(1)? as usize;
+        let (last, truth) = (self.last.as_ref()?, self.truth.as_mut()?.frame(index).ok()?);
+        misalignment(&Pair::new(&last.image, truth).ok()?)
     }
 
     fn flip_map(&mut self, image: &Image, index: usize) -> Result<Option<Image>, Failure> {

@@ -64,8 +64,7 @@ pub(crate) fn content(
     taken: &Taken<'_>,
     reference: &str,
 ) -> String {
-    // The `Debug` form of a request has all its fields.
-    let (request, search) = (format!("{:?}", cell.request), format!("{:?}", cell.search));
+    let (request, search) = (cell.request.text(), format!("{:?}", cell.search));
     of(&[VERSION, pipeline, identity, &request, &search, &taken.text(), reference]).to_string()
 }
 
@@ -91,7 +90,7 @@ pub(crate) fn of_reference(origin: &Origin, lab: &mut dyn Laboratory) -> Result<
             let mut parts = vec![VERSION.to_owned()];
             for request in requests {
                 parts.push(identity(request, lab)?);
-                parts.push(format!("{request:?}"));
+                parts.push(request.text());
             }
             Ok(of(&parts.iter().map(String::as_str).collect::<Vec<_>>()))
         }
@@ -106,6 +105,8 @@ pub(crate) fn identity(request: &RunRequest, lab: &mut dyn Laboratory) -> Result
 #[cfg(test)]
 mod tests {
     use super::{Measure, Taken};
+    use crate::external::External;
+    use crate::laboratory::RunRequest;
 
     /// Keys of cells without phases and series are the same as those from before these existed.
     #[test]
@@ -114,5 +115,9 @@ mod tests {
             Taken { measures: &[Measure::Rmse, Measure::Tid], phases: &[], figures: &[], by_frame: false };
         assert_eq!(taken.text(), "1 [Rmse, Tid]");
         assert_eq!(Taken { by_frame: true, ..taken }.text(), "1 [Rmse, Tid] by frame");
+        let own = RunRequest::default();
+        assert!(own.text().ends_with("stop_after_ms: None, until_done: false }"), "{}", own.text());
+        let external = Some(External { command: "true {out}".to_owned(), limit: 9 });
+        assert!(RunRequest { external, ..own }.text().contains("true {out}"));
     }
 }

@@ -1,6 +1,7 @@
 //! The interface between a study and the renderer.
 
 use crate::error::Failure;
+use crate::external::External;
 use crate::record::{AxisValue, Memory, SceneRecord};
 use frame_graph::{Settable, Value};
 use metrics::Image;
@@ -71,7 +72,7 @@ pub struct SceneFacts {
 }
 
 /// The properties of a pipeline that a study uses.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PipelineFacts {
     /// A description.
     pub about: String,
@@ -167,9 +168,16 @@ pub struct RunRequest {
     /// Whether to stop when the pipeline's output `progress` says that it has converged. If set, time stands
     /// still: every frame is that of `first_frame`, and only the last one is passed to `observe`.
     pub until_done: bool,
+    /// The program that renders in place of a pipeline. `stop_after_ms` is then the time of each frame.
+    pub external: Option<External>,
 }
 
 impl RunRequest {
+    /// Formats all fields, for keys. What does not occur adds no text, so that keys from before it existed stay valid.
+    pub(crate) fn text(&self) -> String {
+        format!("{self:?}").replace(", external: None", "")
+    }
+
     /// Returns pixels × frames × samples: an upper bound of how much longer a run takes than one that has less of them. 0 where
     /// a time ends it.
     pub(crate) fn work(&self) -> f64 {

@@ -8,6 +8,7 @@ pub mod description;
 mod edit;
 mod error;
 mod evaluator;
+mod external;
 mod figure;
 mod folder;
 mod growth;
@@ -33,6 +34,7 @@ pub use cost::{Costs, SHARD_MINUTES, UNKNOWN_SECONDS};
 pub use description::{Claim, Pick, Relation, Study, parse, parse_with};
 pub use edit::Edits;
 pub use error::{Failure, StudyError};
+pub use external::{External, ExternalRun, PLACEHOLDERS, kill_running};
 pub use folder::source;
 pub use interval::Interval;
 pub use laboratory::{
@@ -46,7 +48,7 @@ pub use record::{
     Axis, AxisValue, Better, Cell, CellImages, Difference, End, FrameSeries, MeasureInfo, Memory, Node,
     Outcome, PassTime, PipelineRecord, ReferenceRecord, Results, SceneRecord, StudyRecord,
 };
-pub use report::{claims, report, report_with};
+pub use report::{claims, report, report_with, tables};
 pub use run::{Event, Ran, RunOptions, name_of, run};
 pub use shard::{Shard, ShardError};
 pub use spread::costs;

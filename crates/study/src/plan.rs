@@ -1,14 +1,16 @@
 //! Derives the cells of a study: every name is looked up and every value checked before anything runs.
 
 mod check;
+mod external;
 mod names;
 
 use crate::description::{
     At, Budget, Group, Phase, Reference, SEED, SIZE, Study, StudyFigure, Vary, size_of,
 };
+use crate::external::External;
 use crate::laboratory::{PipelineFacts, Registry, RunRequest, SceneFacts, Values};
 use crate::measure::Measure;
-use crate::record::{Axis, AxisValue, Difference, MeasureInfo, PipelineRecord, SceneRecord};
+use crate::record::{Axis, AxisValue, Difference, MeasureInfo, PipelineRecord};
 use check::Checker;
 use frame_graph::{Diagnostics, Setting};
 use names::located;
@@ -47,8 +49,8 @@ pub struct Run {
     pub pipeline: usize,
     /// The request.
     pub request: RunRequest,
-    /// The request of its reference.
-    pub reference: Option<RunRequest>,
+    /// A description of its reference, and the request.
+    pub reference: Option<(String, RunRequest)>,
 }
 
 /// A cell before it runs.
@@ -111,7 +113,7 @@ const MOST_CELLS: usize = 100_000;
 
 impl Plan {
     /// Returns the runs of cells and of references that differ in more than their frames and seeds: in pipeline, values,
-    /// scene or size. Whatever compiles for these compiles for all.
+    /// scene or size. Whatever compiles for these compiles for all. Programs of others are not among them.
     pub fn distinct_runs(&self) -> Vec<&RunRequest> {
         let references = self.references.iter().flat_map(|reference| match &reference.origin {
             Origin::Run(requests) => &requests[..],
@@ -119,7 +121,18 @@ impl Plan {
         });
         let mut seen = HashSet::new();
         let all = self.cells.iter().map(|cell| &cell.request).chain(references);
-        all.filter(|run| seen.insert(compiled(run))).collect()
+        all.filter(|run| run.external.is_none() && seen.insert(compiled(run))).collect()
+    }
+
+    /// Returns the programs of others that the cells run, each once.
+    pub fn externals(&self) -> Vec<&External> {
+        let mut all: Vec<&External> = Vec::new();
+        for external in self.cells.iter().filter_map(|cell| cell.request.external.as_ref()) {
+            if !all.contains(&external) {
+                all.push(external);
+            }
+        }
+        all
     }
 
     /// Resolves the names of a study, and derives its cells.
@@ -167,14 +180,13 @@ impl Plan {
     /// Makes the plan of runs that a study does not list: of it, this takes the measures.
     pub fn of_runs(
         study: Study,
-        scenes: Vec<SceneRecord>,
+        scenes: Vec<SceneFacts>,
         pipelines: Vec<PipelineRecord>,
         runs: Vec<Run>,
     ) -> Plan {
-        let still = |record| SceneFacts { record, moves: false, seconds_per_frame: 0.0, small_length: 0.0 };
         let mut plan = Plan {
             measures: study.measures.iter().map(|at| at.value).collect(),
-            scenes: scenes.into_iter().map(still).collect(),
+            scenes,
             pipelines,
             axes: Vec::new(),
             differences: Vec::new(),
@@ -190,8 +202,8 @@ impl Plan {
         study.seeds.sort_unstable();
         study.seeds.dedup();
         for Run { scene, pipeline, request, reference } in runs {
-            let reference = reference.map(|request| {
-                let (from, size) = (format!("pipeline {}", request.pipeline), request.size);
+            let reference = reference.map(|(from, request)| {
+                let size = request.size;
                 plan.planned(PlannedReference { scene, size, from, origin: Origin::Run(vec![request]) })
             });
             let axes = BTreeMap::new();
@@ -275,8 +287,15 @@ impl Plan {
         };
         let stop_after_ms = match &study.budget {
             Budget::Time { ms, by: None, .. } => Some(*ms),
+            Budget::Time { ms, .. } if pipeline.external.is_some() => Some(*ms),
             _ => None,
         };
+        // A program is given the time that frames take to accumulate, and makes one of them; and all frames of a scene that
+        // stands still would be the same to a program that makes one at a time.
+        let one_frame = pipeline.external.as_ref().is_some_and(|external| {
+            let accumulates = matches!(study.budget, Budget::Time { by: None, .. });
+            accumulates || !(self.scenes[scene].moves || external.takes("frames"))
+        });
         let request = RunRequest {
             scene: self.meant(&study.scenes[scene]),
             pipeline: pipeline.record.pipeline.clone(),
@@ -286,7 +305,7 @@ impl Plan {
             seed,
             first_frame: study.first_frame,
             warm_up: study.warm_up,
-            frames: study.budget.frames(),
+            frames: if one_frame { 1 } else { study.budget.frames() },
             timed: needs(|needs| needs.timed)
                 || !study.phases.is_empty()
                 || matches!(study.budget, Budget::Time { .. }),
@@ -295,6 +314,7 @@ impl Plan {
             figures: study.figures.iter().map(|figure| figure.of.value.clone()).collect(),
             stop_after_ms,
             until_done: false,
+            external: pipeline.external.clone(),
         };
         (request, search)
     }
@@ -343,6 +363,7 @@ impl Plan {
                     figures: Vec::new(),
                     stop_after_ms: None,
                     until_done: accumulates,
+                    external: None,
                     frames: if moves { request.frames } else { 1 },
                     ..request.clone()
                 };
@@ -393,6 +414,7 @@ struct Resolved {
     record: PipelineRecord,
     facts: PipelineFacts,
     set: Values,
+    external: Option<External>,
 }
 
 impl Resolved {
@@ -418,20 +440,19 @@ fn meant(study: &Study, registry: &dyn Registry) -> BTreeMap<String, String> {
 }
 
 fn differences(registry: &dyn Registry, pipelines: &[Resolved]) -> Vec<Difference> {
-    let Some((first, others)) = pipelines.split_first() else { return Vec::new() };
+    let mut own = pipelines.iter().filter(|pipeline| pipeline.external.is_none());
+    let Some(first) = own.next() else { return Vec::new() };
     let of = |pipeline: &Resolved| (pipeline.record.pipeline.clone(), pipeline.set.clone());
     let (name, set) = of(first);
-    others
-        .iter()
-        .map(|other| {
-            let (other_name, other_set) = of(other);
-            Difference {
-                from: first.record.name.clone(),
-                to: other.record.name.clone(),
-                lines: registry.differences((&name, &set), (&other_name, &other_set)),
-            }
-        })
-        .collect()
+    own.map(|other| {
+        let (other_name, other_set) = of(other);
+        Difference {
+            from: first.record.name.clone(),
+            to: other.record.name.clone(),
+            lines: registry.differences((&name, &set), (&other_name, &other_set)),
+        }
+    })
+    .collect()
 }
 
 /// Returns the size of frames in a combination, if it varies.

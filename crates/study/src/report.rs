@@ -26,6 +26,16 @@ pub fn claims(results: &Results) -> Option<Table> {
     table::of_claims(&Digest::new(results))
 }
 
+/// Returns the table of each scene: a row for each pipeline and combination of values.
+pub fn tables(results: &Results) -> Vec<Table> {
+    of_scenes(&Digest::new(results))
+}
+
+fn of_scenes(digest: &Digest<'_>) -> Vec<Table> {
+    let scenes = (0..digest.scenes.len()).map(|scene| table::of_scene(digest, scene));
+    scenes.filter(|table| !table.is_empty()).collect()
+}
+
 /// Writes a report into the study's folder, which holds the pictures that `results` names: `report.html`, a
 /// single file that needs no other files and no network; its charts as `figures/*.svg`, the crops that the study declares as
 /// `figures/*.png`, and figures of them with the error under each as `figures/*-figure.pdf` and `.tex`; its tables as `tables/*.md` and `tables/*.tex`. The same results give the same bytes. A file is
@@ -44,10 +54,7 @@ pub fn report(results: &Results, folder: &Path) -> Result<Vec<PathBuf>, StudyErr
 pub fn report_with(results: &Results, folder: &Path, more: &[Table]) -> Result<Vec<PathBuf>, StudyError> {
     let digest = Digest::new(results);
     let figures = Figures::new(&digest);
-    let tables: Vec<Table> = (0..digest.scenes.len())
-        .map(|scene| table::of_scene(&digest, scene))
-        .filter(|table| !table.is_empty())
-        .collect();
+    let tables = of_scenes(&digest);
     let claims = table::of_claims(&digest);
     let pictures = Pictures::new(&digest, folder);
 

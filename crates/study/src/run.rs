@@ -347,6 +347,11 @@ impl Session<'_> {
         if evaluator.frames == 0 {
             return Err(Failure::NoFrame);
         }
+        if request.external.is_some()
+            && let Some(sign) = evaluator.misalignment()
+        {
+            cell.notes.push(format!("the picture may be of another camera: {sign}"));
+        }
         let over_frames = matches!(plan.study.budget, Budget::Time { by: None, .. });
         let lab = &mut *self.lab;
         let found = evaluator.finish(&run, over_frames, &mut |frame| lab.occluded(&request.scene, frame));

@@ -7,6 +7,7 @@ use super::{
     size_value,
 };
 use crate::codes;
+use crate::external::External;
 use crate::measure::Measure;
 use crate::record::AxisValue;
 use claims::ClaimFile;
@@ -21,6 +22,9 @@ const LARGEST_SIDE: u32 = 16_384;
 const FRAMES: u32 = 5;
 /// The greatest number of frames of a reference, or of a budget of time, unless the file gives another.
 const MOST_FRAMES: u32 = 1 << 20;
+/// The time that an external program has, unless the file gives another, and the longest \[s\].
+const LIMIT: u32 = 600;
+const MOST_LIMIT: u32 = 7 * 24 * 3600;
 
 pub(super) fn parse(source: Arc<Source>) -> Result<Study, Diagnostics> {
     let study = read(&source, 0, |reader, file| Checks { reader }.study(file))?;
@@ -90,13 +94,11 @@ enum VariantFile {
 
 #[derive(Deserialize)]
 #[serde(
-    rename = "Variant",
-    expecting = "the name of a pipeline, or `Variant(name: \"…\", pipeline: \"…\", set: {…})`"
+    expecting = "the name of a pipeline, `Variant(name: \"…\", pipeline: \"…\", set: {…})` or `External(name: \"…\", command: \"…\")`"
 )]
-struct NamedVariant {
-    name: Text,
-    pipeline: Text,
-    set: Sets,
+enum NamedVariant {
+    Variant { name: Text, pipeline: Text, set: Sets },
+    External { name: Text, command: Text, limit: Option<Whole> },
 }
 
 #[derive(Deserialize)]
@@ -337,10 +339,18 @@ impl Checks<'_, '_> {
             VariantFile::Text(pipeline) => {
                 let stem = pipeline.rsplit('/').next().unwrap_or_default();
                 let name = pipeline.with(stem.strip_suffix(".ron").unwrap_or(stem).to_owned());
-                Variant { name: self.at(name), pipeline: self.at(pipeline), set: Vec::new() }
+                Variant { name: self.at(name), pipeline: self.at(pipeline), set: Vec::new(), external: None }
             }
-            VariantFile::Other(NamedVariant { name, pipeline, set }) => {
-                Variant { name: self.at(name), pipeline: self.at(pipeline), set: self.set(set) }
+            VariantFile::Other(NamedVariant::Variant { name, pipeline, set }) => Variant {
+                name: self.at(name),
+                pipeline: self.at(pipeline),
+                set: self.set(set),
+                external: None,
+            },
+            VariantFile::Other(NamedVariant::External { name, command, limit }) => {
+                let limit = limit.map_or(LIMIT, |limit| self.whole(limit, 1, MOST_LIMIT));
+                let external = Some(External { command: command.value.clone(), limit });
+                Variant { name: self.at(name), pipeline: self.at(command), set: Vec::new(), external }
             }
         }
     }

@@ -16,7 +16,7 @@ use data_file::Code;
 use frame_graph::{Diagnostic, Diagnostics, Misfit, Setting, Severity, ValueType};
 
 pub(super) struct Checker<'a> {
-    study: &'a Study,
+    pub(super) study: &'a Study,
     pub(super) registry: &'a dyn Registry,
     pub(super) errors: Vec<Diagnostic>,
     /// Names that mean a file beside the study, and could mean one of the roots.
@@ -108,9 +108,13 @@ impl<'a> Checker<'a> {
                     self.registry.pipeline(name).is_ok_and(|facts| facts.has_output(&self.study.output.value))
                 });
                 let at = |value: String| At { value, span: span.clone() };
-                usable
-                    .map(|name| Variant { name: at(name.clone()), pipeline: at(name), set: Vec::new() })
-                    .collect()
+                let variant = |name: String| Variant {
+                    name: at(name.clone()),
+                    pipeline: at(name),
+                    set: Vec::new(),
+                    external: None,
+                };
+                usable.map(variant).collect()
             }
         };
         if variants.is_empty()
@@ -121,6 +125,10 @@ impl<'a> Checker<'a> {
         }
         let mut found = Vec::new();
         for variant in variants {
+            if let Some(external) = &variant.external {
+                found.push(self.external(&variant, external));
+                continue;
+            }
             let Some(facts) = self.facts(&variant.pipeline) else { continue };
             self.output(&variant.pipeline, &facts);
             let has = |set: &&Set| facts.settings.iter().any(|settable| settable.path == set.path.value);
@@ -137,7 +145,7 @@ impl<'a> Checker<'a> {
                 paper: facts.paper.clone(),
                 set: set.iter().cloned().collect(),
             };
-            found.push(Resolved { record, facts, set });
+            found.push(Resolved { record, facts, set, external: None });
         }
         found
     }
@@ -208,16 +216,25 @@ impl<'a> Checker<'a> {
         let names: Vec<String> = pipelines.iter().map(|name| format!("`{name}`")).collect();
         let verb = if names.len() == 1 { "has" } else { "have" };
         let message = format!("{} {verb} no parameter or setting `{}`", names.join(", "), path.value);
-        let known = facts.settings.iter().map(|settable| settable.path.as_str());
-        self.errors.push(path.unknown(&codes::PATH, message, "there are", known));
+        let known: Vec<&str> = facts.settings.iter().map(|settable| settable.path.as_str()).collect();
+        self.errors.push(match &known[..] {
+            [] => path.error(&codes::PATH, message),
+            _ => path.unknown(&codes::PATH, message, "there are", known),
+        });
     }
 
     /// Checks a path that several pipelines are given: reports those that lack it, unless it is optional.
-    fn path(&mut self, path: &At<String>, optional: bool, form: Option<&str>, pipelines: &[Resolved]) {
-        let lacking: Vec<&Resolved> =
-            pipelines.iter().filter(|pipeline| !pipeline.has(&path.value)).collect();
+    fn path<'r>(
+        &mut self,
+        path: &At<String>,
+        optional: bool,
+        form: Option<&str>,
+        pipelines: impl IntoIterator<Item = &'r Resolved>,
+    ) {
+        let (having, lacking): (Vec<&Resolved>, Vec<&Resolved>) =
+            pipelines.into_iter().partition(|pipeline| pipeline.has(&path.value));
         let Some(first) = lacking.first() else { return };
-        let all = lacking.len() == pipelines.len();
+        let all = having.is_empty();
         if optional && !all {
             return;
         }
@@ -319,7 +336,10 @@ impl<'a> Checker<'a> {
             self.errors.push(at.error(&codes::BUDGET, message).note(note));
         }
         let Some(by) = self.study.budget.by() else { return };
-        self.path(by, false, None, pipelines);
+        // A program is given its time.
+        let is_timed = matches!(self.study.budget, Budget::Time { .. });
+        let chosen = pipelines.iter().filter(|pipeline| !(is_timed && pipeline.external.is_some()));
+        self.path(by, false, None, chosen);
         for pipeline in pipelines {
             let Some(setting) = pipeline.setting(&by.value) else { continue };
             if let Budget::Lights { count, .. } = &self.study.budget {

@@ -1,5 +1,6 @@
 //! `lightloom study`: ablation studies.
 
+mod external;
 mod laboratory;
 mod progress;
 mod registry;
@@ -11,6 +12,7 @@ use crate::context::{Context, Sort, parse_set, parse_size, set_text, unknown};
 use crate::output::{self, stderr, stdout, warn, write};
 use anyhow::{Context as _, Result, bail};
 use data_file::why_unreadable;
+use external::{WithExternals, consent};
 use frame_graph::{Source, Value};
 pub(crate) use laboratory::GpuLaboratory;
 pub(crate) use progress::Progress;
@@ -93,6 +95,9 @@ pub(crate) struct Args {
     /// Time in milliseconds, instead of that of a budget of time; other budgets stay
     #[arg(long, value_parser = above_zero)]
     ms: Option<f64>,
+    /// Let the study run the programs that it names (`External`): they may do anything that you may do
+    #[arg(long)]
+    allow_external: bool,
     /// A quick preview: a quarter of each side, one seed, first and last value of each axis
     #[arg(long)]
     quick: bool,
@@ -214,6 +219,7 @@ fn run_study(context: &Context, args: &Args, file: &str, out: &Path) -> Result<(
     if let Some(path) = &args.snakefile {
         return write_snakefile(context, args, file, &plan, path.as_deref());
     }
+    consent(&plan, args.allow_external)?;
     warn(&warnings(context, &plan), context.json);
     if let Some(workers) = args.workers {
         return run_workers(context, args, (file, out), &plan, workers);
@@ -238,7 +244,8 @@ fn run_here(
     plan: &Plan,
     shard: Option<Shard>,
 ) -> Result<Ran> {
-    let mut lab = GpuLaboratory::open(Arc::clone(&context.catalog), args.adapter.as_deref())?;
+    let lab = GpuLaboratory::open(Arc::clone(&context.catalog), args.adapter.as_deref())?;
+    let mut lab = WithExternals::new(lab, context, &plan.study.source.name);
     let options = RunOptions {
         shard,
         costs: costs(args, out)?,
@@ -348,6 +355,7 @@ fn words(args: &Args, file: &str) -> Vec<String> {
     args.seeds.iter().for_each(|seeds| add("--seeds", seeds.to_string()));
     args.frames.iter().for_each(|frames| add("--frames", frames.to_string()));
     args.ms.iter().for_each(|ms| add("--ms", ms.to_string()));
+    words.extend(args.allow_external.then(|| "--allow-external".to_owned()));
     words.extend(args.quick.then(|| "--quick".to_owned()));
     words.extend(args.timing.then(|| "--timing".to_owned()));
     words
@@ -420,7 +428,7 @@ fn shard_report(context: &Context, ran: &Ran) {
 }
 
 /// Returns the cells that failed, each with the first line of its error.
-fn failures(results: &Results) -> Vec<(String, &str)> {
+pub(crate) fn failures(results: &Results) -> Vec<(String, &str)> {
     let failures = results.cells.iter().filter_map(|cell| match &cell.outcome {
         Outcome::Done => None,
         Outcome::Failed { error } => Some((study::name_of(cell), error.lines().next().unwrap_or_default())),
@@ -428,11 +436,11 @@ fn failures(results: &Results) -> Vec<(String, &str)> {
     failures.collect()
 }
 
-fn failures_json(failures: &[(String, &str)]) -> serde_json::Value {
+pub(crate) fn failures_json(failures: &[(String, &str)]) -> serde_json::Value {
     failures.iter().map(|(cell, error)| json!({ "cell": cell, "error": error })).collect()
 }
 
-fn print_failures(failures: &[(String, &str)]) {
+pub(crate) fn print_failures(failures: &[(String, &str)]) {
     for (cell, error) in failures {
         stdout!("failed  {cell}: {error}");
     }

@@ -49,7 +49,7 @@ impl GpuLaboratory {
         Ok(GpuLaboratory { catalog, gpu, adapter: adapter.map(str::to_owned), scenes: HashMap::new() })
     }
 
-    fn scene(&mut self, name: &str) -> Result<&Scene, Failure> {
+    pub(super) fn scene(&mut self, name: &str) -> Result<&Scene, Failure> {
         if !self.scenes.contains_key(name) {
             // A scene of gigabytes is not kept beside others.
             self.scenes.retain(|_, scene| scene.triangles() < MOST_KEPT);
@@ -321,7 +321,7 @@ fn measured(light: &virtual_lights::VirtualLight) -> metrics::virtual_lights::Vi
     metrics::virtual_lights::VirtualLight { position, normal, flux, area }
 }
 
-fn pinhole(camera: &Camera, size: (u32, u32)) -> Pinhole {
+pub(super) fn pinhole(camera: &Camera, size: (u32, u32)) -> Pinhole {
     let view = camera.view();
     let row = |index: usize| {
         let row = view.row(index);

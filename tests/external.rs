@@ -1,0 +1,158 @@
+//! Programs of others as rows of a study: scripts that do what is asked, and scripts that do not.
+
+use crate::program::{Done, Folder, command_of_tree, wait_for};
+use metrics::{Display, Image};
+use std::fs;
+use std::os::unix::fs::PermissionsExt as _;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// A script that hands over a picture: arguments are the file to write, and the seed.
+const SCRIPT: &str =
+    "#!/bin/sh\necho by hand\ncp \"$(dirname \"$0\")/picture.exr\" \"$1\"\necho lightloom: ms 12.5\n";
+
+fn study(folder: &Path, arguments: &[&str]) -> Done {
+    Done::of(command_of_tree(folder).arg("study").args(arguments))
+}
+
+/// A folder with a script, a picture of one level, and a study of these rows.
+fn folder(size: (usize, usize), rows: &str, rest: &str) -> Option<Folder> {
+    let text = format!(
+        "Study(scenes: [\"cornell-box\"], pipelines: [{rows}], size: (16, 12), budget: Frames(2), {rest})"
+    );
+    let folder = Folder::with_gpu(&[("study.ron", &text), ("render.sh", SCRIPT)])?;
+    picture(&folder.at("picture.exr"), size);
+    fs::set_permissions(folder.at("render.sh"), fs::Permissions::from_mode(0o755)).unwrap();
+    Some(folder)
+}
+
+fn picture(path: &Path, (width, height): (usize, usize)) {
+    let image = Image::new(width, height, vec![[0.5, 0.5, 0.5, 1.0]; width * height]).unwrap();
+    image.write(path, Display::AS_IS, None).unwrap();
+}
+
+const MEAN: &str = "seeds: 3, measures: [\"mean\", \"gpu-ms\"]";
+
+#[test]
+fn a_program_of_others_is_a_row() {
+    let rows = "External(name: \"mine\", command: \"./render.sh {out} {seed}\", limit: 60)";
+    let Some(folder) = folder((16, 12), rows, MEAN) else { return };
+    study(&folder, &["study.ron", "-o", "out"])
+        .failure(1, &["`./render.sh {out} {seed}`; `--allow-external` allows it"]);
+    assert!(!folder.at("out").exists(), "nothing has run");
+    let allowed = ["study.ron", "--allow-external"];
+    study(&folder, &[&allowed[..], &["-o", "out"]].concat()).success();
+    let results = ::study::Results::read(&folder.at("out")).unwrap();
+    assert_eq!(results.cells.len(), 3);
+    for cell in &results.cells {
+        assert_eq!((cell.measures["mean"], cell.measures["gpu-ms"]), (Some(0.5), Some(12.5)));
+        assert_eq!(cell.passes[0].pass, "stated time");
+        let provenance: serde_json::Value = serde_json::from_str(&cell.provenance).unwrap();
+        assert_eq!(provenance["external"], "./render.sh {out} {seed}");
+        assert_eq!((&provenance["exit status"], &provenance["time"]), (&0.into(), &"stated time".into()));
+        assert!(provenance["last lines"].as_str().unwrap().starts_with("by hand"), "{provenance}");
+    }
+    assert!(fs::read_to_string(folder.at("out/report.html")).unwrap().contains("stated time"));
+    assert!(results.study.command.contains("--allow-external"), "{}", results.study.command);
+
+    // Parts give the same table, and what is finished does not run again until the script changes.
+    for part in ["1", "2"] {
+        let shard = format!("{part}/2");
+        study(&folder, &[&allowed[..], &["-o", part, "--shard", &shard]].concat()).success();
+    }
+    study(&folder, &["merge", "1", "2", "-o", "all"]).success();
+    assert_eq!(folder.read("all/cells.csv"), folder.read("out/cells.csv"));
+    let again = |out: &str| study(&folder, &[&allowed[..], &["-o", out]].concat()).success();
+    again("out").says(&["3 of 3 cells are finished already"]);
+    folder.write("render.sh", &SCRIPT.replace("12.5", "2.5"));
+    fs::set_permissions(folder.at("render.sh"), fs::Permissions::from_mode(0o755)).unwrap();
+    again("out").says(&["3 cells in the folder belong to another version"]);
+    let results = ::study::Results::read(&folder.at("out")).unwrap();
+    assert_eq!(results.cells[0].measures["gpu-ms"], Some(2.5));
+}
+
+#[test]
+fn programs_that_fail_are_reported_and_the_others_run() {
+    let rows = [
+        ("fails", "sh -c 'echo out of memory >&2; exit 3'"),
+        ("hangs", "sleep 600"),
+        ("nothing", "echo done"),
+        ("other size", "cp big.exr"),
+        ("no picture", "cp render.sh"),
+        ("is not there", "./no-such-renderer"),
+        ("is right", "./render.sh"),
+    ];
+    let rows: String = rows
+        .iter()
+        .map(|(name, command)| {
+            format!("External(name: {name:?}, command: \"{command} {{out}}\", limit: 2), ")
+        })
+        .collect();
+    let rows = rows.replace("sleep 600 {out}", "sh -c 'sleep 600' {out}");
+    let Some(folder) = folder((16, 12), &rows, "measures: [\"mean\"]") else { return };
+    picture(&folder.at("big.exr"), (17, 12));
+    let done = study(&folder, &["study.ron", "-o", "out", "--allow-external", "--json"]);
+    let json = done.failure(1, &["6 cells failed"]).json();
+    let failed = json["failed"].as_array().unwrap();
+    let errors: Vec<&str> = failed.iter().map(|cell| cell["error"].as_str().unwrap()).collect();
+    let words = [
+        "the command ended with exit status: 3: out of memory",
+        "the process did not end within 2 s",
+        "the command ended without `out-0001.exr`, which it was to write",
+        "the command wrote a picture of 17x12 pixels; expected 16x12",
+        "expected an EXR picture",
+        "cannot start `./no-such-renderer`",
+    ];
+    for (error, word) in errors.iter().zip(words) {
+        assert!(error.contains(word), "no `{word}` in: {error}");
+    }
+    let results = ::study::Results::read(&folder.at("out")).unwrap();
+    assert_eq!(results.cells[6].measures["mean"], Some(0.5));
+}
+
+#[test]
+fn a_mirrored_picture_is_noted() {
+    let rows = "External(name: \"mirrored\", command: \"cp mirrored.exr {out}\")";
+    let rest = "measures: [\"rel-mse\", \"energy\"], reference: Picture(\"truth.exr\")";
+    let Some(folder) = folder((16, 12), rows, rest) else { return };
+    let pixel = |x: usize, y: usize| [if x < 5 && y < 9 { 3.0 } else { 0.1 * x as f32 }; 4];
+    let place = |mirrored: bool, i: usize| pixel(if mirrored { 15 - i % 16 } else { i % 16 }, i / 16);
+    for (name, mirrored) in [("mirrored.exr", true), ("truth.exr", false)] {
+        let image = Image::new(16, 12, (0..192).map(|i| place(mirrored, i)).collect()).unwrap();
+        image.write(folder.at(name), Display::AS_IS, None).unwrap();
+    }
+    study(&folder, &["study.ron", "-o", "out", "--allow-external"]).success();
+    let results = ::study::Results::read(&folder.at("out")).unwrap();
+    let note = "the picture may be of another camera: it fits the reference when mirrored left to right";
+    assert_eq!(results.cells[0].notes, [note]);
+}
+
+/// Where the study is interrupted, the program ends with it; the next run goes on from there.
+#[test]
+fn an_interrupted_study_ends_its_program_and_goes_on() {
+    let rows = "External(name: \"slow\", command: \"sh slow.sh {seed} {out}\")";
+    let Some(folder) = folder((16, 12), rows, MEAN) else { return };
+    folder.write(
+        "slow.sh",
+        "if [ \"$1\" != 1 ] && [ ! -e go ]; then (sleep 2; touch late) & wait; fi\ncp picture.exr \"$2\"\n",
+    );
+    let mut child = command_of_tree(&folder)
+        .args(["study", "study.ron", "-o", "out", "--allow-external"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let cells = folder.at("out/cells");
+    wait_for(&mut child, "a cell", || fs::read_dir(&cells).is_ok_and(|mut cells| cells.next().is_some()));
+    // The second cell has begun by then.
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    std::thread::sleep(std::time::Duration::from_millis(2200));
+    assert!(!folder.at("late").exists(), "a child of the program has gone on");
+    folder.write("go", "");
+    study(&folder, &["study.ron", "-o", "out", "--allow-external"])
+        .success()
+        .says(&["1 of 3 cells are finished already"]);
+}
