@@ -1,5 +1,6 @@
 //! Programs of others as rows of a study: scripts that do what is asked, and scripts that do not.
 
+use crate::adapter::root;
 use crate::program::{Done, Folder, command_of_tree, wait_for};
 use metrics::{Display, Image};
 use std::fs;
@@ -155,4 +156,103 @@ fn an_interrupted_study_ends_its_program_and_goes_on() {
     study(&folder, &["study.ron", "-o", "out", "--allow-external"])
         .success()
         .says(&["1 of 3 cells are finished already"]);
+}
+
+/// A program that writes a sequence, as a row beside a pipeline where geometry, camera and light move.
+#[test]
+fn a_program_that_writes_sequences_is_a_row() {
+    let program = Path::new(env!("CARGO_BIN_EXE_lightloom")).with_file_name("sequence");
+    if !program.is_file() {
+        return eprintln!("skipped: `cargo build -p sequence` builds the program");
+    }
+    let text = fs::read_to_string(root().join("examples/sequence/study.ron")).unwrap();
+    assert!(text.contains("cargo run") || text.contains("target/release/sequence"), "{text}");
+    let text = text.replace("../../target/release/sequence", &program.display().to_string());
+    let Some(folder) = Folder::with_gpu(&[("study.ron", &text)]) else { return };
+    let small = ["--size", "24x16", "--frames", "6", "--seeds", "1", "--set-reference", "samples=16"];
+    let arguments = [&["study.ron", "-o", "out", "--allow-external"][..], &small].concat();
+    study(&folder, &arguments).success();
+    let results = ::study::Results::read(&folder.at("out")).unwrap();
+    let of = |name: &str| results.cells.iter().find(|cell| cell.pipeline == name).unwrap();
+    let (blended, own) = (of("blended"), of("ism-uniform"));
+    for cell in [blended, own] {
+        assert_eq!(cell.frames, 6, "{cell:?}");
+        let energy = cell.measures["energy"].unwrap();
+        assert!((0.6..1.6).contains(&energy), "{}: {energy}", cell.pipeline);
+    }
+    let change = |cell: &::study::Cell| cell.measures["tone-change"].unwrap();
+    assert!(change(blended) < change(own), "blending hides flicker: {} and {}", change(blended), change(own));
+    assert_eq!(blended.passes[0].pass, "stated time");
+}
+
+/// Returns a Python with Mitsuba, in a virtual environment in the folder for build outputs; `None`, said on stderr, where that
+/// cannot be made.
+fn python_with_mitsuba() -> Option<std::path::PathBuf> {
+    let folder = root().join("target/mitsuba");
+    let python = folder.join("bin/python");
+    let succeeds = |command: &mut Command| {
+        let done = command.stdout(Stdio::null()).stderr(Stdio::null()).status();
+        done.is_ok_and(|status| status.success())
+    };
+    let is_there = || succeeds(Command::new(&python).args(["-c", "import mitsuba"]));
+    let made = is_there()
+        || (succeeds(Command::new("python3").args(["-m", "venv"]).arg(&folder))
+            && succeeds(Command::new(&python).args([
+                "-m",
+                "pip",
+                "install",
+                "--retries",
+                "1",
+                "--timeout",
+                "20",
+                "mitsuba",
+            ]))
+            && is_there());
+    if !made {
+        eprintln!("skipped: Python cannot install Mitsuba in {}", folder.display());
+    }
+    made.then_some(python)
+}
+
+/// The study of Mitsuba in small: its picture is that of path tracing, but for noise.
+#[test]
+#[ignore = "slow"]
+fn mitsuba_renders_what_path_tracing_renders() {
+    if crate::adapter::gpu().is_none() {
+        return;
+    }
+    let Some(python) = python_with_mitsuba() else { return };
+    let text = fs::read_to_string(root().join("examples/mitsuba/equal-time.ron")).unwrap();
+    let text = text.replace("../../out/mitsuba/bin/python", &python.display().to_string());
+    let folder = Folder::new(&[("equal-time.ron", &text)]);
+    fs::copy(root().join("examples/mitsuba/render.py"), folder.at("render.py")).unwrap();
+    let arguments = ["equal-time.ron", "-o", "out", "--allow-external", "--size", "32x24", "--ms", "1500"];
+    let reference = ["--set-reference", "samples=1024"];
+    study(
+        &folder,
+        &[
+            &arguments[..],
+            &["--seeds", "4", "--scene", "cornell-box", "--scene", "cornell-box-lights"],
+            &reference,
+        ]
+        .concat(),
+    )
+    .success();
+    let results = ::study::Results::read(&folder.at("out")).unwrap();
+    for scene in ["cornell-box", "cornell-box-lights"] {
+        let cells: Vec<&::study::Cell> =
+            results.cells.iter().filter(|cell| cell.pipeline == "Mitsuba" && cell.scene == scene).collect();
+        assert_eq!(cells.len(), 4);
+        let energies: Vec<f64> = cells.iter().map(|cell| cell.measures["energy"].unwrap()).collect();
+        let energy = ::study::Interval::of(&energies).unwrap();
+        eprintln!("{scene}: energy {:.4} ± {:.4}", energy.mean, energy.half.unwrap());
+        // 1500 ms are some hundred samples, of which the mean over the picture is known to a hundredth.
+        assert!((energy.mean - 1.0).abs() < 0.02_f64.max(energy.half.unwrap()), "{scene}: {energies:?}");
+        for cell in cells {
+            assert_eq!(cell.notes, Vec::<String>::new());
+            assert_eq!(cell.passes[0].pass, "stated time");
+            assert!(cell.measures["gpu-ms"].unwrap() >= 1500.0, "{cell:?}");
+            assert!(cell.provenance.contains("\"software\":\"Mitsuba"), "{}", cell.provenance);
+        }
+    }
 }
