@@ -22,6 +22,7 @@ mod glossy;
 #[cfg(unix)]
 mod guides;
 mod incremental;
+mod judge;
 mod lamps;
 mod linking;
 mod lsp;

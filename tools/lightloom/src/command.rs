@@ -8,6 +8,7 @@ pub(crate) mod diff;
 pub(crate) mod fmt;
 pub(crate) mod graph;
 pub(crate) mod interfaces;
+pub(crate) mod judge;
 pub(crate) mod lists;
 pub(crate) mod lsp;
 pub(crate) mod new;

@@ -62,6 +62,8 @@ enum Command {
     Rerun(command::rerun::Args),
     /// Compare two pictures: RMSE, relMSE, MAPE, SSIM, ꟻLIP
     Compare(command::compare::Args),
+    /// Measure frames of another engine: error, energy, flicker, lag, equal time
+    Judge(command::judge::Args),
     /// Share the error of a picture out between what its pipeline approximates
     Blame(command::blame::Args),
     /// Search settings for the least error in a time, or the least time for an error
@@ -169,6 +171,7 @@ fn main() -> ExitCode {
         Command::Diff(args) => command::diff::run(&context, args),
         Command::Rerun(args) => command::rerun::run(&context, args),
         Command::Compare(args) => command::compare::run(&context, args),
+        Command::Judge(args) => command::judge::run(&context, args),
         Command::Blame(args) => command::blame::run(&context, args),
         Command::Tune(args) => command::tune::run(&context, args),
         Command::Study(args) => command::study::run(&context, args),
