@@ -224,9 +224,11 @@ fn mitsuba_renders_what_path_tracing_renders() {
     let Some(python) = python_with_mitsuba() else { return };
     let text = fs::read_to_string(root().join("examples/mitsuba/equal-time.ron")).unwrap();
     let text = text.replace("../../out/mitsuba/bin/python", &python.display().to_string());
-    let folder = Folder::new(&[("equal-time.ron", &text)]);
+    let is_quick = |line: &&str| !["ism-invtm", "instant radiosity"].iter().any(|name| line.contains(name));
+    let text = text.lines().filter(is_quick).collect::<Vec<_>>().join("\n");
+    let folder = Folder::new(&[("mitsuba.ron", &text)]);
     fs::copy(root().join("examples/mitsuba/render.py"), folder.at("render.py")).unwrap();
-    let arguments = ["equal-time.ron", "-o", "out", "--allow-external", "--size", "32x24", "--ms", "1500"];
+    let arguments = ["mitsuba.ron", "-o", "out", "--allow-external", "--size", "32x24", "--ms", "1500"];
     let reference = ["--set-reference", "samples=1024"];
     study(
         &folder,
@@ -246,8 +248,8 @@ fn mitsuba_renders_what_path_tracing_renders() {
         let energies: Vec<f64> = cells.iter().map(|cell| cell.measures["energy"].unwrap()).collect();
         let energy = ::study::Interval::of(&energies).unwrap();
         eprintln!("{scene}: energy {:.4} ± {:.4}", energy.mean, energy.half.unwrap());
-        // 1500 ms are some hundred samples, of which the mean over the picture is known to a hundredth.
-        assert!((energy.mean - 1.0).abs() < 0.02_f64.max(energy.half.unwrap()), "{scene}: {energies:?}");
+        // By 128 samples and four seeds it is known to 0.011 (95 %); these are more where the machine is not slower.
+        assert!((energy.mean - 1.0).abs() < 0.03, "{scene}: {energies:?}");
         for cell in cells {
             assert_eq!(cell.notes, Vec::<String>::new());
             assert_eq!(cell.passes[0].pass, "stated time");

@@ -137,7 +137,7 @@ fn commands_of_the_readme_are_those_of_the_help() {
 #[test]
 #[ignore = "slow"]
 fn files_commands_and_listings_of_the_guides_to_studies_are_right() {
-    assert_pages_are_right(&["docs/guide.md", "docs/first-study.md"], 7);
+    assert_pages_are_right(&["docs/guide.md", "docs/first-study.md", "docs/judge.md"], 10);
 }
 
 /// Checks pages, which have at least `least` commands together.

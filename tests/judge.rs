@@ -43,7 +43,7 @@ fn frames_are_measured_against_a_sequence() {
     let of =
         |engine: usize, measure: &str| json["engines"][engine]["measures"][measure]["mean"].as_f64().unwrap();
     let near = |found: f64, expected: f64| {
-        assert!((found - expected).abs() < 1e-4, "{found} is not {expected}: {json}")
+        assert!((found - expected).abs() < 1e-4, "{found} is not {expected}: {json}");
     };
     assert_eq!(
         (&json["engines"][0]["name"], &json["engines"][1]["name"]),

@@ -80,7 +80,7 @@ fn what_is_written_loads_again_as_the_same() {
 #[test]
 fn an_empty_scene_is_written_too() {
     let bytes = shipped("empty").to_glb(&shipped("empty").at(0.0));
-    assert!(bytes.starts_with(b"glTF") && bytes.len() % 4 == 0);
+    assert!(bytes.starts_with(b"glTF") && bytes.len().is_multiple_of(4));
     let text = String::from_utf8_lossy(&bytes);
     assert!(!text.contains("\"meshes\"") && !text.contains("[]"), "{text}");
 }

@@ -216,10 +216,10 @@ fn run_study(context: &Context, args: &Args, file: &str, out: &Path) -> Result<(
     let mut study = study::parse_with(source(context, file)?, &registry)?;
     study.edit(&edits)?;
     let plan = Plan::new(study, &registry)?;
+    consent(&plan, args.allow_external)?;
     if let Some(path) = &args.snakefile {
         return write_snakefile(context, args, file, &plan, path.as_deref());
     }
-    consent(&plan, args.allow_external)?;
     warn(&warnings(context, &plan), context.json);
     if let Some(workers) = args.workers {
         return run_workers(context, args, (file, out), &plan, workers);
