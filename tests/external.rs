@@ -53,6 +53,9 @@ fn a_program_of_others_is_a_row() {
         assert_eq!((&provenance["exit status"], &provenance["time"]), (&0.into(), &"stated time".into()));
         assert!(provenance["last lines"].as_str().unwrap().starts_with("by hand"), "{provenance}");
     }
+    let image = folder.name(&format!("out/{}", results.cells[0].images.image.as_deref().unwrap()));
+    Done::of(command_of_tree(&folder).args(["rerun", &image]))
+        .failure(1, &["was rendered by another program", "`./render.sh {out} {seed}`"]);
     assert!(fs::read_to_string(folder.at("out/report.html")).unwrap().contains("stated time"));
     assert!(results.study.command.contains("--allow-external"), "{}", results.study.command);
 

@@ -29,6 +29,10 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let Some(text) = read_provenance(&args.file)? else {
         bail!("{file} contains no record of Lightloom: another program wrote it, or saved it again");
     };
+    let written: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
+    if let Some(by) = written["external"].as_str() {
+        bail!("{file} was rendered by another program, and cannot be rendered again here: `{by}`");
+    }
     let record =
         Provenance::from_json(&text).with_context(|| format!("the record in {file} cannot be read"))?;
     // Found from any folder.

@@ -76,7 +76,7 @@ impl Laboratory for FileLaboratory<'_> {
         }
         let says = read_attributes(&frames.files[0])?;
         let provenance = json!({
-            "frames": frames.path,
+            "external": frames.path,
             "first": frames.files[0],
             "count": frames.files.len(),
             "file says": says,
