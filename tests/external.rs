@@ -1,4 +1,4 @@
-//! Programs of others as rows of a study: scripts that do what is asked, and scripts that do not.
+//! External programs as rows of a study: scripts that do what is asked, and scripts that do not.
 
 use crate::adapter::root;
 use crate::program::{Done, Folder, command_of_tree, wait_for};
@@ -35,7 +35,7 @@ fn picture(path: &Path, (width, height): (usize, usize)) {
 const MEAN: &str = "seeds: 3, measures: [\"mean\", \"gpu-ms\"]";
 
 #[test]
-fn a_program_of_others_is_a_row() {
+fn an_external_program_is_a_row() {
     let rows = "External(name: \"mine\", command: \"./render.sh {out} {seed}\", limit: 60)";
     let Some(folder) = folder((16, 12), rows, MEAN) else { return };
     study(&folder, &["study.ron", "-o", "out"])

@@ -1,4 +1,4 @@
-//! Programs of others as pipelines: the words of their commands, and what a command gives.
+//! External programs as pipelines: the words of their commands, and what a command gives.
 
 mod process;
 

@@ -113,7 +113,7 @@ const MOST_CELLS: usize = 100_000;
 
 impl Plan {
     /// Returns the runs of cells and of references that differ in more than their frames and seeds: in pipeline, values,
-    /// scene or size. Whatever compiles for these compiles for all. Programs of others are not among them.
+    /// scene or size. Whatever compiles for these compiles for all. External programs are not among them.
     pub fn distinct_runs(&self) -> Vec<&RunRequest> {
         let references = self.references.iter().flat_map(|reference| match &reference.origin {
             Origin::Run(requests) => &requests[..],
@@ -124,7 +124,7 @@ impl Plan {
         all.filter(|run| run.external.is_none() && seen.insert(compiled(run))).collect()
     }
 
-    /// Returns the programs of others that the cells run, each once.
+    /// Returns the external programs that the cells run, each once.
     pub fn externals(&self) -> Vec<&External> {
         let mut all: Vec<&External> = Vec::new();
         for external in self.cells.iter().filter_map(|cell| cell.request.external.as_ref()) {

@@ -1,4 +1,4 @@
-//! Checks the programs of others.
+//! Checks the commands of external programs.
 
 use super::Resolved;
 use super::check::Checker;

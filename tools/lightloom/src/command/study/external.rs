@@ -1,4 +1,4 @@
-//! Cells that programs of others render: they get a scene, a camera and a time, and write EXR files.
+//! Cells that external programs render: they get a scene, a camera and a time, and write EXR files.
 
 use super::laboratory::{GpuLaboratory, pinhole};
 use crate::context::Context;
@@ -15,7 +15,7 @@ use study::{
 };
 use xxhash_rust::xxh3::xxh3_128;
 
-/// Renders pipelines on the GPU, and runs the programs of others.
+/// Renders pipelines on the GPU, and runs external programs.
 pub(crate) struct WithExternals {
     own: GpuLaboratory,
     /// The folder of the study, in which commands run.
