@@ -47,7 +47,7 @@ pub fn html(all: &[Measured], about: &str) -> String {
             body,
             "<section id=\"{name}\"><h2>{name}</h2>\n<p>{}</p>\n<div class=drawing>{}</div></section>\n",
             escape(&measured.probe.about),
-            chart(measured).drawing().svg()
+            chart(measured).drawing(report::PAGE).svg()
         );
     }
     Page { title: "Lightloom: single precision", style: "", body: &(body + "</main>\n"), script: "" }.html()

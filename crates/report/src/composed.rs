@@ -111,7 +111,10 @@ impl Composed {
     }
 
     /// Returns every picture with its place, and the index of its crop.
-    fn placed<'a>(&'a self, layout: &'a Layout) -> impl Iterator<Item = (&'a Raster, Area, Option<usize>)> {
+    fn placed<'a, 'l>(
+        &'a self,
+        layout: &'l Layout,
+    ) -> impl Iterator<Item = (&'a Raster, Area, Option<usize>)> + use<'a, 'l> {
         let crops = self.columns.iter().zip(&layout.columns).flat_map(|(column, areas)| {
             column.crops.iter().zip(areas).enumerate().map(|(index, (crop, area))| (crop, *area, Some(index)))
         });
@@ -127,9 +130,9 @@ impl Column {
     }
 }
 
-/// Returns the color of the frames of a crop, each channel from 0 to 1. The first is seen on most pictures.
-fn color(crop: usize) -> [f32; 3] {
-    Ink::Series(crop + 1).rgb().map(|channel| f32::from(channel) / 255.0)
+/// Returns the color of the frames of a crop. The first is seen on most pictures.
+fn color(crop: usize) -> [u8; 3] {
+    Ink::Series(crop + 1).rgb()
 }
 
 #[cfg(test)]
@@ -181,7 +184,7 @@ mod tests {
 
     #[test]
     fn every_crop_has_a_color_of_its_own() {
-        assert_eq!(color(0).map(|c| (c * 255.0).round() as u8), [0xd5, 0x5e, 0x00]);
+        assert_eq!(color(0), [0xd5, 0x5e, 0x00]);
         assert_ne!(color(0), color(1));
     }
 }

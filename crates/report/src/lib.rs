@@ -1,4 +1,4 @@
-//! Reports: one page template, tables in HTML, Markdown and LaTeX, charts in SVG, figures of pictures in PDF and LaTeX, and
+//! Reports: one page template, tables in HTML, Markdown and LaTeX, charts in SVG and PDF, figures of pictures in PDF and LaTeX, and
 //! numbers with intervals.
 //!
 //! A page needs no other file and no network. The same content gives the same bytes.
@@ -6,13 +6,15 @@
 mod chart;
 mod composed;
 pub mod escape;
+mod font;
 pub mod number;
 mod page;
+mod pdf;
 mod table;
 
 pub use chart::{
-    AxisKind, Band, BarChart, BarRow, Drawing, Ink, Line, MOST_COLORS, MOST_DASHES, MOST_PARTS, Point,
-    Segment, Series, XyAxis, XyChart,
+    AxisKind, Band, BarChart, BarRow, COLUMN, Drawing, Ink, Line, MOST_COLORS, MOST_DASHES, MOST_PARTS, PAGE,
+    Point, Segment, Series, XyAxis, XyChart,
 };
 pub use composed::{Column as FigureColumn, Composed, Raster};
 pub use number::Measured;

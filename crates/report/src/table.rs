@@ -228,7 +228,10 @@ impl Table {
                 _ => escape::latex(&entry.text()),
             };
             let entries: Vec<String> = row.iter().enumerate().map(entry).collect();
-            let _ = writeln!(out, "{} \\\\", entries.join(" & "));
+            let line = entries.join(" & ");
+            // After the end of a row, a bracket or a star would belong to that end.
+            let apart = if line.starts_with(['[', '*']) { "{}" } else { "" };
+            let _ = writeln!(out, "{apart}{line} \\\\");
         }
         out.push_str("\\bottomrule\n\\end{tabular}\n");
         let caption = self.caption.replace(char::is_control, " ");

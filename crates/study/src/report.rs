@@ -61,7 +61,9 @@ pub fn report_with(results: &Results, folder: &Path, more: &[Table]) -> Result<V
     let page = page::page(&digest, &figures, (more, &tables, claims.as_ref()), &pictures);
     let mut files = vec![(PathBuf::from("report.html"), page.into_bytes())];
     for figure in figures.all {
-        files.push((Path::new(FIGURES).join(&figure.file), figure.drawing.svg().into_bytes()));
+        let file = Path::new(FIGURES).join(&figure.file);
+        files.push((file.with_extension("pdf"), figure.column.pdf()));
+        files.push((file, figure.column.svg().into_bytes()));
     }
     files.extend(pictures.insets.into_iter().map(|(name, bytes)| (Path::new(FIGURES).join(name), bytes)));
     let mut taken = BTreeSet::new();

@@ -1,14 +1,13 @@
 //! Horizontal bars from zero, stacked or side by side, with one row for each combination of values.
 
-use super::WIDTH;
 use super::axis::{Axis, BELOW, Frame};
 use super::drawing::{Anchor, Drawing, SMALL, TEXT, Text, shortened, text_width};
 use super::legend::{self, Mark};
 use super::palette::Ink;
 use super::scale::Scale;
 
-/// Greatest width of the label of a row [px]; longer labels are cut.
-const LABELS: f64 = 170.0;
+/// Greatest width of the label of a row, as a share of the chart's; longer labels are cut.
+const LABELS: f64 = 170.0 / 540.0;
 /// Thickness of a bar that is the only one of its row, and of one of several [px].
 const ALONE: f64 = 17.0;
 const AMONG: f64 = 8.0;
@@ -73,16 +72,17 @@ impl BarRow {
 }
 
 impl BarChart {
-    /// Draws the chart.
-    pub fn drawing(&self) -> Drawing {
+    /// Draws the chart so wide \[px\].
+    pub fn drawing(&self, wide: f64) -> Drawing {
         let greatest = self.rows.iter().map(BarRow::end).fold(0.0, f64::max);
         let totals = self.rows.iter().map(|row| text_width(&row.total, SMALL)).fold(0.0, f64::max);
         let labels = self.rows.iter().map(|row| text_width(row.name(), SMALL)).fold(0.0, f64::max);
-        let left = labels.min(LABELS) + 16.0;
+        let most_label = LABELS * wide;
+        let left = labels.min(most_label) + 16.0;
         let height =
             |(index, row): (usize, &BarRow)| row.height() + self.heading(index).map_or(0.0, |_| HEADING);
         let height: f64 = self.rows.iter().enumerate().map(height).sum();
-        let frame = Frame { left, top: 6.0, width: WIDTH - left - totals - 16.0, height: height + 4.0 };
+        let frame = Frame { left, top: 6.0, width: wide - left - totals - 16.0, height: height + 4.0 };
         let axis = Axis::new(Scale::from_zero(greatest), self.title.clone(), 7);
 
         let mut drawing = Drawing::new(&self.about);
@@ -95,7 +95,7 @@ impl BarChart {
                 drawing.text((4.0, y + HEADING - 7.0), text);
                 y += HEADING;
             }
-            let label = shortened(row.name(), SMALL, LABELS);
+            let label = shortened(row.name(), SMALL, most_label);
             let text = Text::new(&label, SMALL, Ink::Text, Anchor::End);
             drawing.text((left - 8.0, y + row.height() / 2.0 + 4.0), text);
             draw_row(&mut drawing, frame, &axis, row, y);
@@ -105,8 +105,8 @@ impl BarChart {
         let entries: Vec<(Mark, String)> =
             self.legend.iter().map(|(ink, name)| (Mark::Square(*ink), name.clone())).collect();
         let below = frame.bottom() + BELOW + 4.0;
-        let legend = legend::draw(&mut drawing, (16.0, below), WIDTH - 32.0, &entries);
-        drawing.finish((WIDTH, below + legend + 6.0))
+        let legend = legend::draw(&mut drawing, (16.0, below), wide - 32.0, &entries);
+        drawing.finish((wide, below + legend + 6.0))
     }
 
     /// Returns the heading above a row, if there is one.

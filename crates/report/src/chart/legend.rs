@@ -43,18 +43,18 @@ pub(super) fn draw(
         let line = Path::through([(x, middle), (x + MARK, middle)]);
         match *mark {
             Mark::Series(index) => {
-                drawing.path(&line, Style::line(Ink::Series(index), 1.8));
+                drawing.path(line, Style::line(Ink::Series(index), 1.8));
                 let marker = palette::marker(index, (x + MARK / 2.0, middle), 4.5);
                 let style = Style { fill: Some(Ink::Series(index)), ..Style::line(Ink::Paper, 1.0) };
-                drawing.path(&marker, style);
+                drawing.path(marker, style);
             }
             Mark::Square(ink) => drawing.rectangle((x + MARK - 13.0, middle - 6.5), (13.0, 13.0), ink, None),
             Mark::Line(dashes) => {
                 let dashes = palette::dashes(dashes);
-                drawing.path(&line, Style { dashes, ..Style::line(Ink::Text, 1.4) });
+                drawing.path(line, Style { dashes, ..Style::line(Ink::Text, 1.4) });
             }
-            Mark::Front => drawing.path(&line, FRONT),
-            Mark::Floor => drawing.path(&line, FLOOR),
+            Mark::Front => drawing.path(line, FRONT),
+            Mark::Floor => drawing.path(line, FLOOR),
         }
         drawing.text((x + MARK + GAP, middle + 4.0), Text::new(&name, SMALL, Ink::Text, Anchor::Start));
         x += wide + BETWEEN;

@@ -135,33 +135,47 @@ pub(crate) fn style_sheet() -> String {
     format!(":root {{\n{variables}}}\n{rules}")
 }
 
-/// Returns the outline of the marker of a series, with a radius of about `radius`.
+/// Returns the outline of the marker of a series, with a radius of about `radius`. Each color has a shape of its own, by which
+/// it is told apart in grey.
 pub(super) fn marker(series: usize, (x, y): (f64, f64), radius: f64) -> Path {
-    let polygon = |corners: &[(f64, f64)]| {
-        Path::polygon(corners.iter().map(|(dx, dy)| (x + dx * radius, y + dy * radius)))
+    /// A quarter of a plus.
+    const ARM: [(f64, f64); 3] = [(0.4, -1.2), (0.4, -0.4), (1.2, -0.4)];
+    const TRIANGLE: [(f64, f64); 3] = [(0.0, -1.2), (1.15, 0.85), (-1.15, 0.85)];
+    let turned = |corners: &[(f64, f64)], turn: f64| -> Vec<(f64, f64)> {
+        let (sin, cos) = (turn * std::f64::consts::TAU).sin_cos();
+        corners.iter().map(|(dx, dy)| (cos * dx - sin * dy, sin * dx + cos * dy)).collect()
     };
-    match series % 6 {
-        0 => Path::circle((x, y), radius),
-        1 => polygon(&[(-0.9, -0.9), (0.9, -0.9), (0.9, 0.9), (-0.9, 0.9)]),
-        2 => polygon(&[(0.0, -1.25), (1.25, 0.0), (0.0, 1.25), (-1.25, 0.0)]),
-        3 => polygon(&[(0.0, -1.2), (1.15, 0.85), (-1.15, 0.85)]),
-        4 => polygon(&[(0.0, 1.2), (1.15, -0.85), (-1.15, -0.85)]),
-        _ => {
-            let (arm, tip) = (0.4, 1.2);
-            polygon(&[
-                (-arm, -tip),
-                (arm, -tip),
-                (arm, -arm),
-                (tip, -arm),
-                (tip, arm),
-                (arm, arm),
-                (arm, tip),
-                (-arm, tip),
-                (-arm, arm),
-                (-tip, arm),
-                (-tip, -arm),
-                (-arm, -arm),
-            ])
+    let regular = |corners: u32, size: f64, turn: f64| -> Vec<(f64, f64)> {
+        let corner = |index: u32| turned(&[(0.0, -size)], turn + f64::from(index) / f64::from(corners));
+        (0..corners).flat_map(corner).collect()
+    };
+    let plus = |turn: f64| -> Vec<(f64, f64)> {
+        (0..4).flat_map(|quarter| turned(&ARM, turn + f64::from(quarter) / 4.0)).collect()
+    };
+    let corners = match series % MOST_COLORS {
+        0 => return Path::circle((x, y), radius),
+        1 => regular(4, 0.9 * std::f64::consts::SQRT_2, 1.0 / 8.0),
+        2 => regular(4, 1.25, 0.0),
+        3 => TRIANGLE.to_vec(),
+        4 => turned(&TRIANGLE, 0.5),
+        5 => plus(0.0),
+        6 => turned(&TRIANGLE, 0.25),
+        7 => plus(1.0 / 8.0),
+        8 => turned(&TRIANGLE, 0.75),
+        _ => regular(6, 1.1, 0.0),
+    };
+    Path::polygon(corners.iter().map(|(dx, dy)| (x + dx * radius, y + dy * radius)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_color_has_a_marker_of_its_own() {
+        let markers: Vec<Path> = (0..MOST_COLORS).map(|series| marker(series, (0.0, 0.0), 1.0)).collect();
+        for (index, one) in markers.iter().enumerate() {
+            assert!(markers[..index].iter().all(|other| other != one), "{index}: {one:?}");
         }
     }
 }

@@ -1,6 +1,5 @@
 //! Charts of points with intervals over two axes, joined by lines, with the Pareto front.
 
-use super::WIDTH;
 use super::axis::{Axis, BELOW, Frame};
 use super::drawing::{Anchor, Drawing, Path, SMALL, Style, TINY, Text, shortened, text_width};
 use super::labels::{self, Rect, Wanted};
@@ -8,8 +7,8 @@ use super::legend::{self, FLOOR, FRONT, Mark};
 use super::palette::{self, Ink};
 use super::scale::{Label, Scale, Tick};
 
-/// Height of the chart without legend and notes [px].
-const HEIGHT: f64 = 360.0;
+/// Height of the chart without legend and notes, as a share of its width.
+const HEIGHT: f64 = 2.0 / 3.0;
 const RADIUS: f64 = 4.8;
 /// A line of more points than this has small markers, so that it stays visible.
 const DENSE: usize = 20;
@@ -114,18 +113,19 @@ impl XyAxis {
 }
 
 impl XyChart {
-    /// Draws the chart.
-    pub fn drawing(&self) -> Drawing {
+    /// Draws the chart so wide \[px\].
+    pub fn drawing(&self, wide: f64) -> Drawing {
         let points = || self.points();
         let ends = |value: f64, half: f64| [value, value - half, value + half];
         // An interval that reaches below zero does not make an axis linear; it is cut.
         let reach = |value: f64, half: f64| {
             ends(value, half).into_iter().filter(move |end| value < 0.0 || *end > 0.0 || *end == value)
         };
-        let x = axis(&self.x, points().flat_map(|p| reach(p.x, p.x_half)), 7);
-        let y = axis(&self.y, points().flat_map(|p| reach(p.y, p.y_half)), 6);
+        let x = axis(&self.x, points().flat_map(|p| reach(p.x, p.x_half)), 7, wide);
+        let y = axis(&self.y, points().flat_map(|p| reach(p.y, p.y_half)), 6, wide);
         let left = y.width() + 6.0;
-        let frame = Frame { left, top: 10.0, width: WIDTH - left - 14.0, height: HEIGHT - BELOW - 10.0 };
+        let frame =
+            Frame { left, top: 10.0, width: wide - left - 14.0, height: HEIGHT * wide - BELOW - 10.0 };
 
         let mut drawing = Drawing::new(&self.about);
         frame.draw_x(&mut drawing, &x, !matches!(self.x.kind, AxisKind::Choices(_)));
@@ -135,7 +135,7 @@ impl XyChart {
             let lower = points.iter().map(|&(at, low, _)| (frame.x(&x, at), frame.y(&y, low)));
             let upper = points.iter().rev().map(|&(at, _, high)| (frame.x(&x, at), frame.y(&y, high)));
             let style = Style { fill: Some(Ink::Series(*index)), is_pale: true, ..Style::default() };
-            drawing.path(&Path::polygon(lower.chain(upper)), style);
+            drawing.path(Path::polygon(lower.chain(upper)), style);
         }
         self.draw_front(&mut drawing, frame, &x, &y);
         for series in &self.series {
@@ -152,7 +152,7 @@ impl XyChart {
         if !self.front.is_empty() {
             entries.push((Mark::Front, "Pareto front".to_owned()));
         }
-        let mut height = HEIGHT + 4.0;
+        let mut height = HEIGHT * wide + 4.0;
         height += legend::draw(&mut drawing, (frame.left, height), frame.width, &entries);
         let outside = points().filter(|p| !(x.scale.holds(p.x) && y.scale.holds(p.y))).count();
         if outside > 0 {
@@ -160,7 +160,7 @@ impl XyChart {
             drawing.text((frame.left, height + 14.0), Text::new(&note, SMALL, Ink::Faint, Anchor::Start));
             height += 20.0;
         }
-        drawing.finish((WIDTH, height + 6.0))
+        drawing.finish((wide, height + 6.0))
     }
 
     fn points(&self) -> impl Iterator<Item = &Point> + Clone {
@@ -175,7 +175,7 @@ impl XyChart {
         });
         if let Some(floor) = reached {
             let height = frame.y(y, floor);
-            drawing.path(&Path::through([(frame.left, height), (frame.right(), height)]), FLOOR);
+            drawing.path(Path::through([(frame.left, height), (frame.right(), height)]), FLOOR);
         }
         reached.is_some()
     }
@@ -193,7 +193,7 @@ impl XyChart {
         }
         points.extend(points.last().map(|&(_, last)| (frame.right(), last)));
         drawing.open("front", "Pareto front: nothing measured is both faster and better");
-        drawing.path(&Path::through(points), FRONT);
+        drawing.path(Path::through(points), FRONT);
         drawing.close();
     }
 
@@ -234,7 +234,7 @@ fn draw_series(drawing: &mut Drawing, frame: Frame, x: &Axis, y: &Axis, series: 
         if line.points.len() > 1 {
             let corners = line.points.iter().map(|point| (frame.x(x, point.x), frame.y(y, point.y)));
             let dashes = palette::dashes(line.dashes);
-            drawing.path(&Path::through(corners), Style { dashes, ..Style::line(ink, 1.8) });
+            drawing.path(Path::through(corners), Style { dashes, ..Style::line(ink, 1.8) });
         }
     }
     let marked = series.lines.iter().filter(|line| line.points.len() <= MOST_MARKED);
@@ -244,13 +244,13 @@ fn draw_series(drawing: &mut Drawing, frame: Frame, x: &Axis, y: &Axis, series: 
         let (px, py) = (frame.x(x, point.x), frame.y(y, point.y));
         let whiskers = whiskers(frame, x, y, point);
         if !whiskers.is_empty() {
-            drawing.path(&whiskers, Style::line(ink, 1.2));
+            drawing.path(whiskers, Style::line(ink, 1.2));
         }
         let marker = palette::marker(series.index, (px, py), radius);
         if x.scale.holds(point.x) && y.scale.holds(point.y) {
-            drawing.path(&marker, Style { fill: Some(ink), ..Style::line(Ink::Paper, 1.0) });
+            drawing.path(marker, Style { fill: Some(ink), ..Style::line(Ink::Paper, 1.0) });
         } else {
-            drawing.path(&marker, Style { fill: Some(Ink::Paper), ..Style::line(ink, 1.4) });
+            drawing.path(marker, Style { fill: Some(Ink::Paper), ..Style::line(ink, 1.4) });
         }
         drawing.close();
     }
@@ -287,7 +287,8 @@ fn whiskers(frame: Frame, x: &Axis, y: &Axis, point: &Point) -> Path {
     path
 }
 
-fn axis(axis: &XyAxis, values: impl Iterator<Item = f64> + Clone, most: usize) -> Axis {
+/// Returns an axis with so many ticks at most; names of choices share the width of the chart.
+fn axis(axis: &XyAxis, values: impl Iterator<Item = f64> + Clone, most: usize, wide: f64) -> Axis {
     match &axis.kind {
         AxisKind::Quantity => Axis::new(Scale::fit(values), axis.title.clone(), most),
         AxisKind::Count => {
@@ -304,7 +305,7 @@ fn axis(axis: &XyAxis, values: impl Iterator<Item = f64> + Clone, most: usize) -
             Axis { scale, title: axis.title.clone(), ticks: ticks.collect() }
         }
         AxisKind::Choices(names) => {
-            let band = (WIDTH - 80.0) / names.len().max(1) as f64 - 8.0;
+            let band = (wide - 80.0) / names.len().max(1) as f64 - 8.0;
             let label = |name: &String| Label::plain(&shortened(name, SMALL, band));
             let ticks = names
                 .iter()

@@ -3,6 +3,7 @@
 use super::{Area, Column, Composed, FRAME, Layout, WIDTH, color};
 use crate::chart::n;
 use crate::escape::latex;
+use crate::pdf::channels;
 use std::fmt::Write;
 
 impl Composed {
@@ -60,7 +61,7 @@ fn corner(layout: &Layout, area: Area) -> (String, String) {
 
 fn frame(out: &mut String, layout: &Layout, area: Area, crop: usize) {
     let (x, y) = corner(layout, area);
-    let [red, green, blue] = color(crop).map(|channel| n(f64::from(channel)));
+    let [red, green, blue] = channels(color(crop)).map(|channel| n(f64::from(channel)));
     let _ = writeln!(
         out,
         "{{\\color[rgb]{{{red},{green},{blue}}}\\linethickness{{{FRAME}\\unitlength}}\\put({x},{y}){{\\framebox({},{}){{}}}}}}%",

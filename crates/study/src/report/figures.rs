@@ -14,12 +14,14 @@ pub(super) struct Figure {
     pub(super) kind: Kind,
     /// The values by which it is selected among the others of its section: one for each of [`Kind::choices`].
     pub(super) choice: Vec<String>,
-    /// Name of its SVG file, without folder.
+    /// Name of its SVG file, without folder; a PDF file has the same.
     pub(super) file: String,
     /// A description for readers.
     pub(super) caption: String,
-    /// The chart.
+    /// The chart, for a page.
     pub(super) drawing: Drawing,
+    /// The chart, for a column of a paper.
+    pub(super) column: Drawing,
 }
 
 /// The sections of the report that hold charts.

@@ -243,11 +243,13 @@ fn chooser(names: &[&str], figures: &[&Figure], none: &str) -> String {
             out,
             "<figure class=choice data-choice=\"{}\">\n<div class=drawing>{}</div>\n\
              <figcaption>{} <button type=button class=save data-file=\"{file}\">Save SVG</button> \
-             <code>figures/{file}</code></figcaption>\n</figure>",
+             For a column of a paper: <a href=\"figures/{file}\">SVG</a>, <a href=\"figures/{pdf}\">PDF</a></figcaption>\n\
+             </figure>",
             html(&json(&figure.choice)),
             figure.drawing.svg(),
             html(&figure.caption),
             file = html(&figure.file),
+            pdf = html(&figure.file.replace(".svg", ".pdf")),
         );
     }
     out + "</div>\n"

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::process::Command;
 
 use super::sample;
 
@@ -38,8 +39,9 @@ fn the_same_results_give_the_same_bytes() {
     assert!(first == contents(folder.path()));
 }
 
+/// Charts are for a column of a paper, as SVG and as PDF, and in the page for its width.
 #[test]
-fn the_page_holds_the_figures_as_they_are_in_files() {
+fn charts_are_files_for_papers() {
     let folder = tempfile::tempdir().expect("a folder");
     study::report(&sample::results(), folder.path()).expect("a report");
     let files = contents(folder.path());
@@ -50,9 +52,14 @@ fn the_page_holds_the_figures_as_they_are_in_files() {
     assert_eq!(figures.len(), 2 * (3 + 5 * 5 + 2), "{figures:?}");
     for name in figures {
         let svg = std::str::from_utf8(&files[name]).expect("text");
-        assert!(page.contains(svg), "{name}");
+        let label = svg.split("aria-label=").nth(1).and_then(|rest| rest.split('>').next()).expect("a label");
+        assert!(page.contains(label), "{name}");
         // Alone it has all it needs.
         assert!(!svg.contains("var(") && svg.contains("fill=\"#") && svg.contains("xmlns="), "{name}");
+        assert!(svg.contains("width=\"320\"") && page.contains("width=\"540\""), "{name}");
+        let pdf = String::from_utf8_lossy(&files[&name.replace(".svg", ".pdf")]);
+        // 240 points wide, with the font.
+        assert!(pdf.contains("/MediaBox [0 0 240 ") && pdf.contains("/FontFile2"), "{name}");
     }
     for link in ["http://", "https://"] {
         let outside = page.replace("http://www.w3.org/2000/svg", "");
@@ -86,7 +93,9 @@ fn crops_are_composed_to_figures_with_the_error_under_each() {
     let results = sample::with_pictures(folder.path());
     study::report(&results, folder.path()).expect("a report");
     let files = contents(folder.path());
-    let figures: Vec<&String> = files.keys().filter(|name| name.ends_with(".pdf")).collect();
+    let is_composed =
+        |name: &&String| name.ends_with(".pdf") && files.contains_key(&name.replace(".pdf", ".tex"));
+    let figures: Vec<&String> = files.keys().filter(is_composed).collect();
     // Six of 18 combinations in each.
     assert_eq!(figures.len(), 2 * 3, "{figures:?}");
     let page = std::str::from_utf8(&files["report.html"]).expect("text");
@@ -110,6 +119,51 @@ fn crops_are_composed_to_figures_with_the_error_under_each() {
     let (_, number) = line.split_once("\\\\ $").expect("a number");
     let number = number.split('$').next().expect("its end");
     assert!(number.contains("\\pm") && table.contains(number), "{number} in {table}");
+}
+
+/// LaTeX takes tables, figures and charts as they are, with all that names may contain.
+#[test]
+fn latex_takes_all_files() {
+    if Command::new("pdflatex").arg("--version").output().is_err() {
+        eprintln!("skipped: there is no pdflatex");
+        return;
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut results = sample::with_pictures(folder.path());
+    let odd = "[1] *a_b* {50 %} ~ #2 ^ \\x $y$ & \"z\" <|> ≤ ≥ ≈ ± × · ² ⁻⁵ µ σ δ ε √ ∞ Δ → – − ′ ’ … ä";
+    let known = sample::PIPELINES[0];
+    results
+        .study
+        .pipelines
+        .iter_mut()
+        .filter(|record| record.name == known)
+        .for_each(|record| record.name = odd.to_owned());
+    results
+        .cells
+        .iter_mut()
+        .filter(|cell| cell.pipeline == known)
+        .for_each(|cell| cell.pipeline = odd.to_owned());
+    study::report(&results, folder.path()).expect("a report");
+    let mut paper = String::from(
+        "\\documentclass[twocolumn]{article}\n\\usepackage{booktabs,graphicx,color}\n\\graphicspath{{figures/}}\n\\begin{document}\n",
+    );
+    let files = contents(folder.path());
+    for name in files.keys().filter(|name| name.ends_with(".tex")) {
+        paper += &format!("\\input{{{name}}}\n\n");
+    }
+    let charts = files.keys().filter(|name| name.ends_with("-time.pdf"));
+    for name in charts.clone().chain(files.keys().filter(|name| name.ends_with("figure.pdf"))) {
+        paper += &format!("\\includegraphics{{{name}}}\n\n");
+    }
+    assert!(charts.count() > 0 && paper.matches("\\input").count() > 4, "{paper}");
+    paper += "\\end{document}\n";
+    std::fs::write(folder.path().join("paper.tex"), &paper).expect("a file");
+    let mut latex = Command::new("pdflatex");
+    latex.args(["-interaction=nonstopmode", "-halt-on-error", "paper.tex"]).current_dir(folder.path());
+    let ran = latex.output().expect("pdflatex runs");
+    let log = String::from_utf8_lossy(&ran.stdout);
+    assert!(ran.status.success() && !log.contains("Missing character"), "{log}");
+    eprintln!("ran: pdflatex");
 }
 
 #[test]

@@ -66,7 +66,8 @@ fn a_curve_for_each_pipeline_and_combination() {
         "{flip}"
     );
     let page = std::fs::read_to_string(folder.path().join("report.html")).expect("a page");
-    assert!(page.contains("<a href=\"#frames\">Frame by frame</a>") && page.contains(&flip));
+    let label = flip.split("aria-label=").nth(1).and_then(|rest| rest.split('>').next()).expect("a label");
+    assert!(page.contains("<a href=\"#frames\">Frame by frame</a>") && page.contains(label));
     assert!(!folder.path().join("figures/cornell-box-flip-frames-2.svg").exists());
 }
 

@@ -48,7 +48,8 @@ pub(super) fn passes(digest: &Digest<'_>, scene: usize) -> Vec<Figure> {
             caption: format!(
                 "{about}: medians over the measured frames, means over seeds, in the plan’s order."
             ),
-            drawing: chart.drawing(),
+            drawing: chart.drawing(report::PAGE),
+            column: chart.drawing(report::COLUMN),
         }
     })
 }
@@ -97,7 +98,8 @@ pub(super) fn memory(digest: &Digest<'_>, scene: usize) -> Vec<Figure> {
                  the bars); the largest sum alive at once, below which no sharing comes; and all objects that \
                  frames work on."
             ),
-            drawing: chart.drawing(),
+            drawing: chart.drawing(report::PAGE),
+            column: chart.drawing(report::COLUMN),
         }
     })
 }

@@ -107,7 +107,8 @@ fn time_chart(
         choice: vec![name.to_owned(), measure.label.clone()],
         file: file(&[name, &measure.key, "time"]),
         caption,
-        drawing: chart.drawing(),
+        drawing: chart.drawing(report::PAGE),
+        column: chart.drawing(report::COLUMN),
     })
 }
 
@@ -195,7 +196,8 @@ fn axis_chart(
             if with.is_empty() { "nothing else varied".to_owned() } else { with },
         ],
         caption,
-        drawing: chart.drawing(),
+        drawing: chart.drawing(report::PAGE),
+        column: chart.drawing(report::COLUMN),
     })
 }
 

@@ -78,7 +78,8 @@ impl<'a> Walk<'a> {
             choice: vec![name.to_owned(), measure.label.clone(), choice],
             file: file(&[name, &measure.key, "frames", &number]),
             caption: format!("{about}. Curves{of} are means over seeds; frames.csv holds every value."),
-            drawing: chart.drawing(),
+            drawing: chart.drawing(report::PAGE),
+            column: chart.drawing(report::COLUMN),
         }
     }
 
