@@ -7,6 +7,7 @@ use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
 /// A script that hands over a picture: arguments are the file to write, and the seed.
 const SCRIPT: &str =
@@ -75,6 +76,29 @@ fn an_external_program_is_a_row() {
     assert_eq!(results.cells[0].measures["gpu-ms"], Some(2.5));
 }
 
+/// Each cell in a process of its own gives what one process gives; one that hangs is killed, with the program that it runs.
+#[test]
+fn cells_run_in_processes_of_their_own() {
+    let rows = "\"ism\", External(name: \"mine\", command: \"./render.sh {out} {seed}\", limit: 600)";
+    let Some(folder) = folder((16, 12), rows, "seeds: 2, measures: [\"mean\"]") else { return };
+    let run = |out: &str, more: &[&str]| {
+        let small = ["--set", "lights=16", "--set", "map=16", "--set", "rsm.size=32"];
+        study(&folder, &[&["study.ron", "--allow-external", "-o", out], &small[..], more].concat())
+    };
+    run("one", &[]).success();
+    run("apart", &["--isolated", "600"]).success();
+    assert_eq!(folder.read("one/cells.csv"), folder.read("apart/cells.csv"));
+    run("apart", &["--isolated", "600"]).success().says(&["4 of 4 cells are finished already"]);
+    run("apart", &["--isolated", "600", "--shard", "1/2"]).failure(2, &["cannot be used with"]);
+
+    folder.write("render.sh", "#!/bin/sh\nsleep 60\n");
+    fs::set_permissions(folder.at("render.sh"), fs::Permissions::from_mode(0o755)).unwrap();
+    run("apart", &["--isolated", "1"]).failure(1, &["2 cells failed", "the process did not end within 1 s"]);
+    let results = ::study::Results::read(&folder.at("apart")).unwrap();
+    let done = results.cells.iter().filter(|cell| cell.outcome == ::study::Outcome::Done);
+    assert_eq!(done.map(|cell| cell.pipeline.as_str()).collect::<Vec<_>>(), ["ism", "ism"]);
+}
+
 #[test]
 fn programs_that_fail_are_reported_and_the_others_run() {
     let rows = [
@@ -138,7 +162,7 @@ fn an_interrupted_study_ends_its_program_and_goes_on() {
     let Some(folder) = folder((16, 12), rows, MEAN) else { return };
     folder.write(
         "slow.sh",
-        "if [ \"$1\" != 1 ] && [ ! -e go ]; then (sleep 2; touch late) & wait; fi\ncp picture.exr \"$2\"\n",
+        "if [ \"$1\" != 1 ] && [ ! -e go ]; then sleep 600 & echo $! > part; mv part child; wait; fi\ncp picture.exr \"$2\"\n",
     );
     let mut child = command_of_tree(&folder)
         .args(["study", "study.ron", "-o", "out", "--allow-external"])
@@ -146,15 +170,18 @@ fn an_interrupted_study_ends_its_program_and_goes_on() {
         .stderr(Stdio::null())
         .spawn()
         .unwrap();
-    let cells = folder.at("out/cells");
-    wait_for(&mut child, "a cell", || fs::read_dir(&cells).is_ok_and(|mut cells| cells.next().is_some()));
-    // The second cell has begun by then.
-    std::thread::sleep(std::time::Duration::from_millis(500));
+    wait_for(&mut child, "the second cell", || folder.at("child").exists());
     let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(killed.success());
     assert_eq!(child.wait().unwrap().code(), Some(130));
-    std::thread::sleep(std::time::Duration::from_millis(2200));
-    assert!(!folder.at("late").exists(), "a child of the program has gone on");
+    // What was killed may be left until its parent asks for it.
+    let of_child = format!("/proc/{}/stat", folder.read("child").trim());
+    let runs = || fs::read_to_string(&of_child).is_ok_and(|stat| !stat.contains(") Z "));
+    let begun = Instant::now();
+    while runs() {
+        assert!(begun.elapsed() < Duration::from_secs(60), "a child of the program has gone on");
+        std::thread::sleep(Duration::from_millis(5));
+    }
     folder.write("go", "");
     study(&folder, &["study.ron", "-o", "out", "--allow-external"])
         .success()

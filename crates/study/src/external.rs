@@ -3,8 +3,8 @@
 mod process;
 
 use crate::error::Failure;
-use process::Ended;
-pub use process::kill_running;
+pub use process::Ended;
+pub use process::{kill_running, run as run_program};
 use std::path::Path;
 use std::time::Duration;
 

@@ -124,6 +124,13 @@ pub trait Laboratory {
         step: &mut dyn FnMut(Step),
     ) -> Result<CellRun, Failure>;
 
+    /// Runs a cell of the plan in a process of its own, which writes its record into the folder of the study; `None` where
+    /// cells run in this process, as is the default.
+    fn apart(&mut self, cell: usize) -> Option<Result<(), Failure>> {
+        let _ = cell;
+        None
+    }
+
     /// Returns a function that tests whether something lies between two points of a scene in a frame, for the
     /// measure `lights-that-reach`.
     ///

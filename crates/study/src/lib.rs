@@ -34,7 +34,7 @@ pub use cost::{Costs, SHARD_MINUTES, UNKNOWN_SECONDS};
 pub use description::{Claim, Pick, Relation, Study, parse, parse_with};
 pub use edit::Edits;
 pub use error::{Failure, StudyError};
-pub use external::{External, ExternalRun, PLACEHOLDERS, kill_running};
+pub use external::{Ended, External, ExternalRun, PLACEHOLDERS, kill_running, run_program};
 pub use folder::source;
 pub use interval::Interval;
 pub use laboratory::{

@@ -121,6 +121,13 @@ pub fn run(
             None => open.push(cell),
         }
     }
+    // Seeds share what a search has chosen, in whichever process it did.
+    let searched = |cell: &usize| !work.cells.contains(cell) && plan.cells[*cell].search.is_some();
+    for cell in (0..plan.cells.len()).filter(searched) {
+        if let Some(kept) = session.finished(&keys[cell]) {
+            session.remember(cell, &kept, &mut costs);
+        }
+    }
     // All cells of one seed, then those of the next: what slows the machine for minutes then differs between the
     // seeds of a cell, and widens their interval instead of looking like growth along an axis.
     open.sort_by_key(|cell| plan.study.seeds.iter().position(|seed| *seed == plan.cells[*cell].request.seed));
@@ -138,7 +145,10 @@ pub fn run(
         let cell = match session.finished(&keys[*cell]) {
             Some(kept) => kept,
             None => {
-                let cell = session.cell(*cell, &keys[*cell], report)?;
+                let cell = match session.lab.apart(*cell) {
+                    Some(ended) => session.from_process(*cell, &keys[*cell], ended),
+                    None => session.cell(*cell, &keys[*cell], report)?,
+                };
                 session.folder.write_cell(&cell)?;
                 run += 1;
                 cell
@@ -248,15 +258,11 @@ impl Session<'_> {
         }
     }
 
-    fn cell(
-        &mut self,
-        index: usize,
-        key: &str,
-        report: &mut dyn FnMut(Event<'_>),
-    ) -> Result<Cell, StudyError> {
+    /// Returns the record of a cell that has not run.
+    fn blank(&self, index: usize, key: &str) -> Cell {
         let plan = self.plan;
         let planned = &plan.cells[index];
-        let mut cell = Cell {
+        Cell {
             key: key.to_owned(),
             scene: plan.scenes[planned.scene].record.name.clone(),
             pipeline: plan.pipelines[planned.pipeline].name.clone(),
@@ -267,7 +273,30 @@ impl Session<'_> {
             work: planned.request.work(),
             version: VERSION.to_owned(),
             ..Cell::default()
+        }
+    }
+
+    /// Returns the record that a process has written, or that of its failure.
+    fn from_process(&self, index: usize, key: &str, ended: Result<(), Failure>) -> Cell {
+        let record = || {
+            let silent = || Failure::Crashed("it wrote no record of the cell".to_owned());
+            self.folder.cell(key).ok_or_else(silent)
         };
+        ended.and_then(|()| record()).unwrap_or_else(|error| Cell {
+            end: error.end(),
+            outcome: Outcome::Failed { error: error.to_string() },
+            ..self.blank(index, key)
+        })
+    }
+
+    fn cell(
+        &mut self,
+        index: usize,
+        key: &str,
+        report: &mut dyn FnMut(Event<'_>),
+    ) -> Result<Cell, StudyError> {
+        let (plan, mut cell) = (self.plan, self.blank(index, key));
+        let planned = &plan.cells[index];
         let truth = match planned.reference {
             Some(reference) => self.truth(reference, report)?,
             None => Ok(None),

@@ -14,15 +14,21 @@ const MOST_OUTPUT: u64 = 4 << 20;
 static RUNNING: AtomicU32 = AtomicU32::new(0);
 
 /// How a program ended.
-pub(super) struct Ended {
-    pub(super) status: ExitStatus,
-    pub(super) wall: Duration,
+#[derive(Debug)]
+pub struct Ended {
+    /// Its exit code or signal.
+    pub status: ExitStatus,
+    /// The time that it took.
+    pub wall: Duration,
     /// Its standard output and standard error, as they came.
-    pub(super) output: String,
+    pub output: String,
 }
 
-/// Runs a program in a folder, and waits for its end.
-pub(super) fn run(words: &[String], folder: &Path, limit: Duration) -> Result<Ended, Failure> {
+/// Runs a program, with its arguments, in a folder, and waits for its end.
+///
+/// # Errors
+/// [`Failure::TimedOut`] where it was killed, with its children, after the time limit; the reason why it cannot be started.
+pub fn run(words: &[String], folder: &Path, limit: Duration) -> Result<Ended, Failure> {
     let failed = |error: io::Error| Failure::render(format!("cannot start `{}`: {error}", words[0]));
     // A file, not a pipe: a program that writes much must not wait for a reader.
     let output = tempfile::NamedTempFile::new().map_err(failed)?;

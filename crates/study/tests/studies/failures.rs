@@ -2,7 +2,11 @@
 
 use super::fake::{Fake, done, parse, plan, run, study, told};
 use metrics::{Display, Image};
-use study::{Outcome, Plan, RunOptions};
+use std::path::PathBuf;
+use std::time::Duration;
+use study::{
+    CellRun, End, Failure, Laboratory, Observed, Occluded, Outcome, Plan, RunOptions, RunRequest, Step,
+};
 
 fn of(text: &str) -> Plan {
     plan(parse(text))
@@ -34,6 +38,74 @@ fn a_cell_that_fails_leaves_the_others() {
     // Failed cells run again, the other does not.
     let mut lab = Fake::default();
     assert_eq!(run(&plan, &mut lab, folder.path()).unwrap().run, 2);
+}
+
+/// Runs cells in other "processes": one writes no record, one crashes, one takes too long, and one does its work.
+struct Processes {
+    own: Fake,
+    plan: Plan,
+    folder: PathBuf,
+}
+
+impl Laboratory for Processes {
+    fn adapter(&self) -> String {
+        self.own.adapter()
+    }
+
+    fn identity(&mut self, request: &RunRequest) -> Result<u128, Failure> {
+        self.own.identity(request)
+    }
+
+    fn run(
+        &mut self,
+        _: &RunRequest,
+        _: &mut dyn FnMut(Observed) -> Result<(), Failure>,
+        _: &mut dyn FnMut(Step),
+    ) -> Result<CellRun, Failure> {
+        panic!("no cell runs in this process");
+    }
+
+    fn apart(&mut self, cell: usize) -> Option<Result<(), Failure>> {
+        Some(match cell {
+            0 => Ok(()),
+            1 => Err(Failure::Crashed("it ended with signal: 9".to_owned())),
+            2 => Err(Failure::TimedOut(Duration::from_secs(3))),
+            _ => {
+                let shard = format!("cells:{0}-{0}/{1}", cell + 1, self.plan.cells.len()).parse();
+                let options = RunOptions { shard: Some(shard.unwrap()), ..RunOptions::default() };
+                told(&self.plan, &mut self.own, &self.folder, &options);
+                Ok(())
+            }
+        })
+    }
+
+    fn occluded(&mut self, scene: &str, frame: u32) -> Result<Occluded, Failure> {
+        self.own.occluded(scene, frame)
+    }
+}
+
+#[test]
+fn a_process_that_ends_takes_its_cell_alone() {
+    let of = || {
+        of("Study(scenes: [\"box\"], pipelines: [\"fast\"], size: (8, 4), seeds: 4, measures: [\"gpu-ms\"])")
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let mut lab = Processes { own: Fake::default(), plan: of(), folder: folder.path().to_owned() };
+    let ran = study::run(&of(), &mut lab, folder.path(), &RunOptions::default(), &mut |_| {}).unwrap();
+    assert_eq!((ran.run, ran.failed), (4, 3));
+    let errors: Vec<&str> = ran.results.cells.iter().map(|cell| error(&cell.outcome)).collect();
+    let expected = [
+        "the process crashed: it wrote no record of the cell",
+        "the process crashed: it ended with signal: 9",
+        "the process did not end within 3 s",
+        "",
+    ];
+    assert_eq!(errors, expected);
+    let ends: Vec<End> = ran.results.cells.iter().map(|cell| cell.end).collect();
+    assert_eq!(ends[..3], [End::Crashed, End::Crashed, End::TimedOut]);
+    assert_eq!(ran.results.cells[3].measures["gpu-ms"], Some(2.64));
+    // In this process what failed runs, and what was done does not run again.
+    assert_eq!(run(&of(), &mut Fake::default(), folder.path()).unwrap().run, 3);
 }
 
 #[test]

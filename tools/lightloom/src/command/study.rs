@@ -1,5 +1,6 @@
 //! `lightloom study`: ablation studies.
 
+mod apart;
 mod external;
 mod laboratory;
 mod progress;
@@ -11,6 +12,7 @@ mod workers;
 use crate::context::{Context, Sort, parse_set, parse_size, set_text, unknown};
 use crate::output::{self, stderr, stdout, warn, write};
 use anyhow::{Context as _, Result, bail};
+use apart::Apart;
 use data_file::why_unreadable;
 use external::{WithExternals, consent};
 use frame_graph::{Source, Value};
@@ -21,6 +23,7 @@ use renderer::Gpu;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 use study::{
     AxisValue, Costs, Edits, Outcome, Plan, Ran, Results, RunOptions, SHARD_MINUTES, Shard, UNKNOWN_SECONDS,
     Verdict,
@@ -70,6 +73,9 @@ pub(crate) struct Args {
     /// Run on the first N adapters of this machine at once, each by a process of its own; references are rendered first, by one
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..), conflicts_with_all = ["shard", "snakefile"])]
     workers: Option<u32>,
+    /// Run each cell in a process of its own, which is killed after so many seconds: a crash or a hang takes no other cell with it
+    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..), conflicts_with_all = ["workers", "shard", "snakefile"])]
+    isolated: Option<u64>,
     /// A folder for references, shared with other studies and shards
     #[arg(long, value_name = "DIR")]
     references: Option<PathBuf>,
@@ -224,6 +230,10 @@ fn run_study(context: &Context, args: &Args, file: &str, out: &Path) -> Result<(
     if let Some(workers) = args.workers {
         return run_workers(context, args, (file, out), &plan, workers);
     }
+    if args.isolated.is_some() {
+        // Their time is not that of a cell.
+        run_here(context, args, (file, out), &plan, Some(Shard::References { places: None }))?;
+    }
     let ran = run_here(context, args, (file, out), &plan, args.shard.clone())?;
     if args.shard.is_some() {
         shard_report(context, &ran);
@@ -245,7 +255,8 @@ fn run_here(
     shard: Option<Shard>,
 ) -> Result<Ran> {
     let lab = GpuLaboratory::open(Arc::clone(&context.catalog), args.adapter.as_deref())?;
-    let mut lab = WithExternals::new(lab, context, &plan.study.source.name);
+    let apart = args.isolated.map(|seconds| apart(context, args, (file, out), plan, seconds)).transpose()?;
+    let mut lab = WithExternals::new(lab, context, &plan.study.source.name).apart(apart);
     let options = RunOptions {
         shard,
         costs: costs(args, out)?,
@@ -256,6 +267,24 @@ fn run_here(
     let ran = study::run(plan, &mut lab, out, &options, &mut |event| progress.report(event));
     progress.finish();
     ran.context(STOPPED)
+}
+
+/// Returns what runs each cell in a process of its own.
+fn apart(
+    context: &Context,
+    args: &Args,
+    (file, out): (&str, &Path),
+    plan: &Plan,
+    seconds: u64,
+) -> Result<Apart> {
+    let mut command = program(context)?;
+    command.push("study".to_owned());
+    command.extend(words(args, file));
+    command.extend(["-o".to_owned(), out.display().to_string()]);
+    args.adapter.iter().for_each(|adapter| command.extend(["--adapter".to_owned(), adapter.clone()]));
+    let references = args.references.iter().map(|folder| folder.display().to_string());
+    references.for_each(|folder| command.extend(["--references".to_owned(), folder]));
+    Ok(Apart { command, cells: plan.cells.len(), limit: Duration::from_secs(seconds) })
 }
 
 /// Runs a study on several adapters of this machine.

@@ -8,6 +8,7 @@ use crate::output::{self, progress, stdout, write};
 use anyhow::{Context as _, Result, bail};
 use frame_graph::{LinkContext, Overrides, Value, resolve, variant};
 use measure::Measurer;
+use metrics::{Display, Epsilon, PIXELS_PER_DEGREE, Pair, flip};
 use renderer::parse_value;
 use report::{Column, Entry, Measured, Table};
 use serde_json::{Value as Json, json};
@@ -35,9 +36,12 @@ pub(crate) struct Args {
     /// The GPU time that a frame may take, in milliseconds
     #[arg(long, value_name = "MS", value_parser = positive, group = "target")]
     target_ms: Option<f64>,
-    /// The error that a picture may have: relMSE
+    /// The error that a picture may have, by the measure
     #[arg(long, value_name = "ERROR", value_parser = positive, group = "target")]
     target_error: Option<f64>,
+    /// The measure of error
+    #[arg(long, value_enum, default_value_t = Measure::RelMse)]
+    measure: Measure,
     /// The folder for the winner, and for what was measured
     #[arg(short, long = "out", value_name = "DIR", default_value = "out/tune")]
     out: PathBuf,
@@ -70,6 +74,36 @@ pub(crate) struct Args {
     frame: u32,
     #[command(flatten)]
     values: Values,
+}
+
+/// A measure of the error of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Measure {
+    /// relMSE
+    RelMse,
+    /// MAPE
+    Mape,
+    /// ꟻLIP
+    Flip,
+}
+
+impl Measure {
+    fn name(self) -> &'static str {
+        match self {
+            Measure::RelMse => "relMSE",
+            Measure::Mape => "MAPE",
+            Measure::Flip => "ꟻLIP",
+        }
+    }
+
+    /// Returns the error of the first picture of a pair; `None` where there is none.
+    fn of(self, pair: &Pair<'_>) -> Option<f64> {
+        match self {
+            Measure::RelMse => pair.rel_mse(Epsilon::default()),
+            Measure::Mape => pair.mape(Epsilon::default()),
+            Measure::Flip => Some(flip(pair, Display::default(), PIXELS_PER_DEGREE).mean()),
+        }
+    }
 }
 
 fn positive(text: &str) -> Result<f64, String> {
@@ -217,8 +251,9 @@ fn pipeline(
     let error = Measured::new(error, half).text();
     let (scenes, words) = (args.scenes.join(", "), in_words(target));
     let evidence = format!(
-        "// Found by `lightloom tune` {} for {words}: relMSE {error} in {:.2} ms a frame of {}×{},\n// over {} seeds, on {scenes}.\n// {adapter}\n",
+        "// Found by `lightloom tune` {} for {words}: {} {error} in {:.2} ms a frame of {}×{},\n// over {} seeds, on {scenes}.\n// {adapter}\n",
         env!("CARGO_PKG_VERSION"),
+        args.measure.name(),
         winner.ms(),
         args.size.0,
         args.size.1,

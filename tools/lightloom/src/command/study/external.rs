@@ -1,5 +1,6 @@
 //! Cells that external programs render: they get a scene, a camera and a time, and write EXR files.
 
+use super::apart::Apart;
 use super::laboratory::{GpuLaboratory, pinhole};
 use crate::context::Context;
 use anyhow::{Result, bail};
@@ -20,12 +21,19 @@ pub(crate) struct WithExternals {
     own: GpuLaboratory,
     /// The folder of the study, in which commands run.
     folder: PathBuf,
+    /// Runs cells in processes of their own; `None` where they run in this one.
+    apart: Option<Apart>,
 }
 
 impl WithExternals {
     /// Takes the laboratory of pipelines, and the name of the study's file.
     pub(crate) fn new(own: GpuLaboratory, context: &Context, file: &str) -> WithExternals {
-        WithExternals { own, folder: folder_of(context, file) }
+        WithExternals { own, folder: folder_of(context, file), apart: None }
+    }
+
+    /// Runs cells in processes of their own.
+    pub(super) fn apart(self, apart: Option<Apart>) -> WithExternals {
+        WithExternals { apart, ..self }
     }
 
     fn run_external(
@@ -107,7 +115,7 @@ pub(super) fn consent(plan: &Plan, is_allowed: bool) -> Result<()> {
 
 /// Kills the program that runs when this one is interrupted: it is in a group of its own, which the terminal does not
 /// interrupt.
-fn end_with_this_program() {
+pub(super) fn end_with_this_program() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         // Without a handler the program goes on until its time is over.
@@ -143,6 +151,10 @@ impl Laboratory for WithExternals {
             Some(external) => self.run_external(request, external, observe),
             None => self.own.run(request, observe, step),
         }
+    }
+
+    fn apart(&mut self, cell: usize) -> Option<Result<(), Failure>> {
+        self.apart.as_ref().map(|apart| apart.run(cell))
     }
 
     fn occluded(&mut self, scene: &str, frame: u32) -> Result<Occluded, Failure> {

@@ -8,7 +8,7 @@ use anyhow::{Context as _, Result, anyhow};
 use frame_graph::{CompileOptions, LinkContext, Overrides};
 use indicatif::ProgressBar;
 use metrics::statistics::median;
-use metrics::{Epsilon, Image, Pair};
+use metrics::{Image, Pair};
 use renderer::{Compiled, FrameOptions, Gpu, Renderer, SharedScene, compile_options};
 use serde_json::json;
 use std::collections::{BTreeMap, BTreeSet};
@@ -55,7 +55,7 @@ impl<'a> Measurer<'a> {
         space: &'a Space,
         bar: &'a ProgressBar,
     ) -> Result<Measurer<'a>> {
-        let gpu = Gpu::open()?;
+        let gpu = Gpu::open()?.with_shared_pipelines();
         let adapter = gpu.describe();
         let mut scenes = Vec::new();
         for name in &args.scenes {
@@ -103,7 +103,8 @@ impl<'a> Measurer<'a> {
                 format!("{text} {hash:032x}")
             });
         let picture = xxh3_128(picture.as_bytes());
-        let key = format!("{picture:032x} {seed} {} {}", self.args.samples, self.args.frame);
+        let Args { samples, frame, measure, .. } = self.args;
+        let key = format!("{picture:032x} {seed} {samples} {frame} {measure:?}");
         if let Some(measured) = self.known.get(&key) {
             return Ok(Some(*measured));
         }
@@ -122,7 +123,7 @@ impl<'a> Measurer<'a> {
         let (_, renderer) = scene.renderer.as_mut().context("a renderer was made")?;
         let ms = render(renderer, args, seed)?;
         let picture = renderer.output(&args.output)?;
-        let error = Pair::new(&picture, &reference)?.rel_mse(Epsilon::default());
+        let error = self.args.measure.of(&Pair::new(&picture, &reference)?);
         let measured = Measured { error: error.unwrap_or(f64::INFINITY), ms };
         let line = json!({ "key": key, "values": self.space.words(point), "measured": measured });
         writeln!(self.log, "{line}").context("what was measured cannot be kept")?;
