@@ -129,9 +129,9 @@ fn the_flux_is_that_of_photons() {
 #[ignore = "slow"]
 fn the_flux_is_that_of_photons_after_many_iterations() {
     assert_flux_of_photons(&[
-        (70, &["lights/vpls.rate=1"]),
+        (100, &["lights/vpls.rate=1"]),
         (200, &["lights/vpls.rate=16"]),
-        (70, &["lights/vpls.rate=4", "moved=64"]),
-        (70, &["lights/vpls.rate=4", "moved=0"]),
+        (100, &["lights/vpls.rate=4", "moved=64"]),
+        (100, &["lights/vpls.rate=4", "moved=0"]),
     ]);
 }
