@@ -146,7 +146,7 @@ pub fn run(
             Some(kept) => kept,
             None => {
                 let cell = match session.lab.apart(*cell) {
-                    Some(ended) => session.from_process(*cell, &keys[*cell], ended),
+                    Some(ended) => session.record_of_process(*cell, &keys[*cell], ended),
                     None => session.cell(*cell, &keys[*cell], report)?,
                 };
                 session.folder.write_cell(&cell)?;
@@ -277,7 +277,7 @@ impl Session<'_> {
     }
 
     /// Returns the record that a process has written, or that of its failure.
-    fn from_process(&self, index: usize, key: &str, ended: Result<(), Failure>) -> Cell {
+    fn record_of_process(&self, index: usize, key: &str, ended: Result<(), Failure>) -> Cell {
         let record = || {
             let silent = || Failure::Crashed("it wrote no record of the cell".to_owned());
             self.folder.cell(key).ok_or_else(silent)

@@ -27,7 +27,7 @@ impl Apart {
         }
         let lines = || output.lines().map(str::trim).filter(|line| !line.is_empty());
         let why = lines().find(|line| line.contains("panicked") || line.starts_with("error"));
-        let why = why.or_else(|| lines().last()).unwrap_or("it printed nothing");
+        let why = why.or_else(|| lines().next_back()).unwrap_or("it printed nothing");
         Err(Failure::Crashed(format!("it ended with {status}: {why}")))
     }
 }
