@@ -2,7 +2,6 @@
 
 use crate::child::{Ended, Program, Ran};
 use crate::long::{self, Line, Long, Seen, Steady};
-use metrics::temporal::Pinhole;
 use metrics::{Glance, Image};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -123,17 +122,8 @@ impl Laboratory for Isolated<'_> {
             guards: ran.guards(),
             long: steady.and_then(|steady| long::evaluate(*steady, &lines)),
         };
-        observe(Observed {
-            frame: request.first_frame + request.warm_up + request.frames - 1,
-            image: indirect,
-            passes: Vec::new(),
-            depth: None,
-            normal: None,
-            camera: Pinhole::default(),
-            lights: None,
-            figures: Vec::new(),
-            irradiance: None,
-        })?;
+        let last = request.first_frame + request.warm_up + request.frames - 1;
+        observe(Observed::picture(last, indirect))?;
         let details = serde_json::to_value(details).map_err(|error| Failure::render(error.to_string()))?;
         Ok(CellRun { details, ..CellRun::default() })
     }

@@ -236,6 +236,23 @@ pub struct Observed {
     pub irradiance: Option<Image>,
 }
 
+impl Observed {
+    /// A frame of which the picture alone is known.
+    pub fn picture(frame: u32, image: Image) -> Observed {
+        Observed {
+            frame,
+            image,
+            passes: Vec::new(),
+            depth: None,
+            normal: None,
+            camera: Pinhole::default(),
+            lights: None,
+            figures: Vec::new(),
+            irradiance: None,
+        }
+    }
+}
+
 /// The results of a run other than its frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct CellRun {

@@ -3,7 +3,7 @@
 mod files;
 mod laboratory;
 
-use crate::command::study::{Progress, failures, failures_json, print_failures};
+use crate::command::study::{Progress, above_zero, failures, failures_json, print_failures};
 use crate::context::Context;
 use crate::output::{self, stderr, stdout};
 use anyhow::{Context as _, Result, bail};
@@ -55,11 +55,6 @@ struct Row {
     runs: Vec<Sequence>,
     /// Milliseconds of each frame, where they are known.
     ms: Vec<f64>,
-}
-
-fn above_zero(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number: &f64| *number > 0.0 && number.is_finite());
-    number.ok_or_else(|| "expected a number above 0".to_owned())
 }
 
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {

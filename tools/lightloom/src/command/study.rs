@@ -199,7 +199,8 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     }
 }
 
-fn above_zero(text: &str) -> Result<f64, String> {
+/// Parses a number above 0.
+pub(crate) fn above_zero(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(number) if number > 0.0 && f64::is_finite(number) => Ok(number),
         _ => Err("expected a number above 0".to_owned()),

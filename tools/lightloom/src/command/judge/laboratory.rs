@@ -2,7 +2,6 @@
 
 use super::Row;
 use super::files::Sequence;
-use metrics::temporal::Pinhole;
 use metrics::{Image, decode, read_attributes};
 use serde_json::json;
 use std::fmt::Write as _;
@@ -62,17 +61,8 @@ impl Laboratory for FileLaboratory<'_> {
                 return Err(Failure::render(message));
             }
             let ms = row.and_then(|row| row.ms.get(index));
-            observe(Observed {
-                frame: number,
-                image,
-                passes: ms.map(|ms| ("given time".to_owned(), *ms)).into_iter().collect(),
-                depth: None,
-                normal: None,
-                camera: Pinhole::default(),
-                lights: None,
-                figures: Vec::new(),
-                irradiance: None,
-            })?;
+            let passes = ms.map(|ms| ("given time".to_owned(), *ms)).into_iter().collect();
+            observe(Observed { passes, ..Observed::picture(number, image) })?;
         }
         let says = read_attributes(&frames.files[0])?;
         let provenance = json!({

@@ -66,15 +66,9 @@ impl WithExternals {
             attributes = read_attributes(&path).map(|found| json!(found)).unwrap_or_default();
             let pose = scene.at(scene.frame_time(frame));
             observe(Observed {
-                frame,
-                image,
                 passes: vec![(call.clock().to_owned(), *ms)],
-                depth: None,
-                normal: None,
                 camera: pinhole(&pose.camera, request.size),
-                lights: None,
-                figures: Vec::new(),
-                irradiance: None,
+                ..Observed::picture(frame, image)
             })?;
         }
         let last = &calls[calls.len() - 1];
