@@ -6,6 +6,7 @@ use crate::description::{
     At, Body, Description, Entry, InputDecl, Link, OutputDecl, ParameterDecl, PassDecl, Patch, Target,
 };
 use data_file::{Diagnostic, Name, Place, Severity, Source, nearest};
+use rustc_hash::FxHashMap;
 use std::sync::Arc;
 
 /// Longest chain of `extends`.
@@ -62,6 +63,19 @@ impl Document {
     }
 }
 
+/// Merges entries into those of the same name, and adds the others behind. A file may have thousands of them.
+fn overlay<T: Clone>(old: &mut Vec<T>, new: &[T], name: fn(&T) -> &Name, mut merge: impl FnMut(&mut T, &T)) {
+    let mut places: FxHashMap<Name, usize> =
+        old.iter().enumerate().map(|(place, entry)| (name(entry).clone(), place)).collect();
+    for entry in new {
+        let place = *places.entry(name(entry).clone()).or_insert(old.len());
+        match old.get_mut(place) {
+            Some(old) => merge(old, entry),
+            None => old.push(entry.clone()),
+        }
+    }
+}
+
 impl Resolver<'_> {
     /// Merges a description with the files that it extends.
     pub(super) fn document(&mut self, path: &str, description: &Description) -> Document {
@@ -113,18 +127,13 @@ impl Resolver<'_> {
         }
         // What renders otherwise than a paper says is not that paper's.
         document.paper = file.paper.as_ref().map(|paper| paper.value.clone());
-        for decl in &file.parameters {
-            match document.parameters.iter().position(|p| p.name.value == decl.name.value) {
-                Some(i) => self.merge_parameter(&mut document.parameters[i], decl),
-                None => document.parameters.push(decl.clone()),
-            }
-        }
-        for input in &file.inputs {
-            match document.inputs.iter_mut().find(|i| i.name.value == input.name.value) {
-                Some(old) => *old = input.clone(),
-                None => document.inputs.push(input.clone()),
-            }
-        }
+        overlay(
+            &mut document.parameters,
+            &file.parameters,
+            |decl| &decl.name.value,
+            |old, new| self.merge_parameter(old, new),
+        );
+        overlay(&mut document.inputs, &file.inputs, |input| &input.name.value, Clone::clone_from);
         if document.passes.is_empty() {
             document.passes.clone_from(&file.passes);
         } else {
@@ -134,12 +143,7 @@ impl Resolver<'_> {
                 }
             }
         }
-        for output in &file.outputs {
-            match document.outputs.iter_mut().find(|o| o.name.value == output.name.value) {
-                Some(old) => *old = output.clone(),
-                None => document.outputs.push(output.clone()),
-            }
-        }
+        overlay(&mut document.outputs, &file.outputs, |output| &output.name.value, Clone::clone_from);
         for patch in &file.patch {
             self.patch(document, patch);
         }
