@@ -25,7 +25,8 @@
 //! [`Display::wait_for_window`] gives it the keyboard. What fails here is the test's environment, and panics.
 
 use metrics::{Image, linear_from_srgb};
-use std::io::{BufRead as _, BufReader, ErrorKind};
+use std::fs::File;
+use std::io::{BufRead as _, BufReader, ErrorKind, Read as _, Seek as _, SeekFrom};
 use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -33,6 +34,9 @@ use tempfile::TempDir;
 
 /// The screen \[pixels\]; no window may be larger.
 const SCREEN: (u16, u16) = (1280, 800);
+
+/// The bytes of a row of the screen.
+const ROW: usize = SCREEN.0 as usize * 4;
 
 /// The time between two looks for what is waited for.
 const POLL: Duration = Duration::from_millis(20);
@@ -221,16 +225,28 @@ impl Window {
     /// Returns what the window shows: display light, decoded from sRGB, with alpha 1. Written with
     /// [`metrics::Display::AS_IS`], a PNG file shows the same.
     pub fn screenshot(&self) -> Image {
-        let file =
-            std::fs::read(self.server.memory.path().join("Xvfb_screen0")).expect("the screen's pixels");
-        // The pixels end the file: four bytes each, blue first.
-        let (columns, rows) = (usize::from(SCREEN.0), usize::from(SCREEN.1));
-        let pixels = &file[file.len() - columns * rows * 4..];
+        self.image_of(&self.rows())
+    }
+
+    /// The rows of the screen that the window is on: four bytes a pixel, blue first.
+    fn rows(&self) -> Vec<u8> {
+        let read = || -> std::io::Result<Vec<u8>> {
+            let mut file = File::open(self.server.memory.path().join("Xvfb_screen0"))?;
+            // The pixels end the file.
+            file.seek(SeekFrom::End(-((ROW * usize::from(SCREEN.1)) as i64)))?;
+            let mut rows = vec![0; ROW * usize::from(self.size.1)];
+            file.read_exact(&mut rows)?;
+            Ok(rows)
+        };
+        read().expect("the screen's pixels")
+    }
+
+    fn image_of(&self, rows: &[u8]) -> Image {
         let (width, height) = (usize::from(self.size.0), usize::from(self.size.1));
         let light: Vec<f32> = (0..=u8::MAX).map(|byte| linear_from_srgb(f32::from(byte) / 255.0)).collect();
         let pixel = |x: usize, y: usize| {
-            let at = (y * columns + x) * 4;
-            let [r, g, b] = [2, 1, 0].map(|channel| light[usize::from(pixels[at + channel])]);
+            let at = y * ROW + x * 4;
+            let [r, g, b] = [2, 1, 0].map(|channel| light[usize::from(rows[at + channel])]);
             [r, g, b, 1.0]
         };
         Image::from_fn(width, height, pixel).expect("a window has pixels")
@@ -246,10 +262,17 @@ impl Window {
         mut seen: impl FnMut(&Image) -> bool,
     ) -> Result<Image, String> {
         let start = Instant::now();
+        let mut rows = self.rows();
+        let mut screenshot = self.image_of(&rows);
         loop {
             // Read before the screenshot is taken, so that the last one is not older than the timeout.
             let over = start.elapsed() >= timeout;
-            let screenshot = self.screenshot();
+            let now = self.rows();
+            // Most of them are the same, and to decode one takes the time that the program under test needs.
+            if now != rows {
+                screenshot = self.image_of(&now);
+                rows = now;
+            }
             if seen(&screenshot) {
                 return Ok(screenshot);
             }
