@@ -4,11 +4,14 @@ use super::head;
 use frame_graph::Source;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use study::Study;
 
 /// The papers, in the order of the table; studies of others follow.
 const PAPERS: [&str; 4] = ["ISM", "TCAS", "ACRSM", "SMC-IR"];
+
+/// The machines that measured, and the folders of their pages.
+const MACHINES: [(&str, &str); 2] = [("two cores", "docs/results"), ("H100", "docs/results/h100")];
 
 /// Measurements that a row shows at most; the page has all.
 const SHOWN: usize = 3;
@@ -37,66 +40,102 @@ struct Published {
     rows: Vec<Decided>,
 }
 
-/// Returns the table of findings: a row for each sentence of a paper that a study checks.
+/// Returns the table of findings: a row for each sentence of a paper that a study checks, with a verdict of each machine.
 pub(super) fn table(root: &Path) -> String {
-    let all = published(root);
-    let mut findings: Vec<Finding<'_>> = all.iter().flat_map(findings).collect();
+    let studies = studies(root);
+    let on: [Vec<Published>; 2] = MACHINES.map(|(_, folder)| published(root, folder, &studies));
+    let mut findings: Vec<Finding<'_>> = Vec::new();
+    for (machine, pages) in on.iter().enumerate() {
+        for (place, says, of, rows) in pages.iter().flat_map(sentences) {
+            let known = findings.iter_mut().find(|known| {
+                (&known.place, &known.says, &known.study.name) == (&place, &says, &of.study.name)
+            });
+            match known {
+                Some(known) => known.on[machine] = Some((of, rows)),
+                None => {
+                    let mut on = [const { None }; 2];
+                    on[machine] = Some((of, rows));
+                    findings.push(Finding { place, says, study: &of.study, on });
+                }
+            }
+        }
+    }
     findings.sort_by_key(|finding| place(&finding.place));
     let mut text = String::new();
     for (index, paper) in PAPERS.iter().enumerate() {
-        let of_paper = findings.iter().filter(|finding| place(&finding.place).0 == index);
-        let rows: Vec<&Decided> = of_paper.flat_map(|finding| finding.rows.iter().copied()).collect();
-        if !rows.is_empty() {
-            let _ = writeln!(text, "- {paper}: {}", counts(&rows));
+        let counts: Vec<String> = (0..MACHINES.len())
+            .filter_map(|machine| {
+                let of_paper = findings.iter().filter(|finding| place(&finding.place).0 == index);
+                let rows: Vec<&Decided> = of_paper.flat_map(|finding| finding.rows(machine)).collect();
+                (!rows.is_empty()).then(|| format!("{}: {}", MACHINES[machine].0, counts(&rows)))
+            })
+            .collect();
+        if !counts.is_empty() {
+            let _ = writeln!(text, "- {paper}: {}", counts.join("; "));
         }
     }
     text += "\n";
-    text += &head(&["where", "finding", "here", "measured", "why, and page"]);
+    text += &head(&["where", "finding", MACHINES[0].0, MACHINES[1].0, "measured", "why, and page"]);
     for finding in &findings {
-        let Finding { place, says, of, rows } = finding;
-        let page = format!("[{0}](results/{0}.md)", of.page);
-        let why = match reasons(of, rows) {
-            reasons if reasons.is_empty() => page,
-            reasons => format!("{reasons}. {page}"),
-        };
-        let _ = writeln!(text, "| {place} | {says} | {} | {} | {why} |", counts(rows), measured(rows));
+        let Finding { place, says, study, on } = finding;
+        let verdict = |machine: usize| on[machine].as_ref().map_or(String::new(), |(_, rows)| counts(rows));
+        // The last machine that has measured it: its pages are of the studies' full sizes.
+        let shown: Vec<&Decided> = (0..MACHINES.len())
+            .rev()
+            .map(|m| finding.rows(m).collect())
+            .find(|rows: &Vec<_>| !rows.is_empty())
+            .unwrap_or_default();
+        let all: Vec<&Decided> = (0..MACHINES.len()).flat_map(|machine| finding.rows(machine)).collect();
+        let mut why = reasons(study, &all);
+        if !why.is_empty() {
+            why += ". ";
+        }
+        let pages = on.iter().zip(MACHINES).filter_map(|(on, (_, folder))| {
+            let (of, _) = on.as_ref()?;
+            Some(format!("[{}]({}/{}.md)", of.page, folder.trim_start_matches("docs/"), of.page))
+        });
+        // One link: the page of the machine whose numbers are shown.
+        why += &pages.last().unwrap_or_default();
+        let _ = writeln!(
+            text,
+            "| {place} | {says} | {} | {} | {} | {why} |",
+            verdict(0),
+            verdict(1),
+            measured(&shown)
+        );
     }
     text
 }
 
-/// A sentence of a paper, or of a study, and the claims that check it.
+/// A sentence of a paper, or of a study, and the claims that check it, by machine.
 struct Finding<'p> {
     place: String,
     says: String,
-    of: &'p Published,
-    rows: Vec<&'p Decided>,
+    study: &'p Study,
+    on: [Option<(&'p Published, Vec<&'p Decided>)>; MACHINES.len()],
 }
 
-/// Reads the studies of the tree, and from the pages of results the claims of each.
-fn published(root: &Path) -> Vec<Published> {
-    let read = |path: &Path| {
-        std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
-    };
-    let files = |folder: &str, extension: &str| {
-        let folder = root.join(folder);
-        let entries =
-            std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
-        let paths = entries.map(|entry| entry.expect("an entry of a folder").path());
-        let mut paths: Vec<_> =
-            paths.filter(|path| path.extension().is_some_and(|e| e == extension)).collect();
-        paths.sort();
-        paths
-    };
-    let name = |path: &Path| path.file_stem().expect("a file").to_string_lossy().into_owned();
-    let studies: BTreeMap<String, Study> = files("studies", "ron")
+impl<'p> Finding<'p> {
+    fn rows(&self, machine: usize) -> impl Iterator<Item = &'p Decided> {
+        self.on[machine].iter().flat_map(|(_, rows)| rows.iter().copied())
+    }
+}
+
+/// Reads the studies of the tree.
+fn studies(root: &Path) -> BTreeMap<String, Study> {
+    files(&root.join("studies"), "ron")
         .iter()
         .map(|path| {
             let source = Source::new(path.display().to_string(), read(path));
             (name(path), study::parse(source).unwrap_or_else(|errors| panic!("{errors}")))
         })
-        .collect();
+        .collect()
+}
+
+/// Reads from the pages of results in a folder the claims of each study.
+fn published(root: &Path, folder: &str, studies: &BTreeMap<String, Study>) -> Vec<Published> {
     let mut all = Vec::new();
-    for path in files("docs/results", "md") {
+    for path in files(&root.join(folder), "md") {
         let page = name(&path);
         for section in read(&path).split("<!-- study: ").skip(1) {
             let (of, section) = section.split_once(" -->").expect("the end of a marker");
@@ -106,6 +145,23 @@ fn published(root: &Path) -> Vec<Published> {
         }
     }
     all
+}
+
+fn read(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// Returns the files of a folder that have an extension, by name.
+fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let paths = entries.map(|entry| entry.expect("an entry of a folder").path());
+    let mut paths: Vec<_> = paths.filter(|path| path.extension().is_some_and(|e| e == extension)).collect();
+    paths.sort();
+    paths
+}
+
+fn name(path: &Path) -> String {
+    path.file_stem().expect("a file").to_string_lossy().into_owned()
 }
 
 /// Reads the table of claims of a section that `lightloom study publish` has written.
@@ -141,21 +197,21 @@ fn place(paper: &str) -> (usize, usize, Vec<u32>) {
     (paper_index, kind, numbers.collect())
 }
 
-/// Returns the findings of a study: one for each sentence that its claims check, in their order.
-fn findings(published: &Published) -> Vec<Finding<'_>> {
-    let mut findings: Vec<Finding<'_>> = Vec::new();
+/// Returns the sentences that the claims of a study check, in their order: where each is, what it says, and its claims.
+fn sentences(published: &Published) -> Vec<(String, String, &Published, Vec<&Decided>)> {
+    let mut sentences: Vec<(String, String, &Published, Vec<&Decided>)> = Vec::new();
     let mut keys: Vec<&str> = Vec::new();
     for row in &published.rows {
         let key = if row.says.is_empty() { &row.claim } else { &row.says };
         if let Some(known) = keys.iter().position(|known| known == key) {
-            findings[known].rows.push(row);
+            sentences[known].3.push(row);
             continue;
         }
         let (place, says) = place_and_sentence(&published.study, row);
-        findings.push(Finding { place, says, of: published, rows: vec![row] });
+        sentences.push((place, says, published, vec![row]));
         keys.push(key);
     }
-    findings
+    sentences
 }
 
 /// Returns where a claim is made, and what it says: of `Fig. 3: light is stable`, the figure of the study's paper.
@@ -218,12 +274,12 @@ fn measured(rows: &[&Decided]) -> String {
 }
 
 /// Returns the reasons that the study states for those of its claims that are in the rows, where one does not hold.
-fn reasons(published: &Published, rows: &[&Decided]) -> String {
+fn reasons(study: &Study, rows: &[&Decided]) -> String {
     let says = |row: &Decided| row.says.replace('\\', "");
     let open = |row: &&&Decided| matches!(row.verdict, Verdict::Fails | Verdict::Undecided);
     let open: Vec<String> = rows.iter().filter(open).map(|row| says(row)).collect();
     let mut reasons: Vec<&str> = Vec::new();
-    for claim in &published.study.claims {
+    for claim in &study.claims {
         let because = claim.because.as_str();
         if open.contains(&claim.says) && !because.is_empty() && !reasons.contains(&because) {
             reasons.push(because);
