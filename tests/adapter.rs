@@ -3,9 +3,10 @@
 use frame_graph::Overrides;
 use metrics::Image;
 use renderer::{Assets, Catalog, Gpu, Renderer, parse_value};
+use std::cell::OnceCell;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, LazyLock, OnceLock};
+use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
 /// The root of the tree.
 pub(crate) fn root() -> PathBuf {
@@ -21,12 +22,45 @@ pub(crate) fn names_in(folder: &str) -> Vec<String> {
         .collect()
 }
 
-/// The device of the process; `None`, said on stderr, where there is no adapter.
+/// The device of a test; `None`, said on stderr, where there is no adapter.
 pub(crate) fn gpu() -> Option<Gpu> {
-    static GPU: OnceLock<Option<Gpu>> = OnceLock::new();
-    let open = || Gpu::open().inspect_err(|error| eprintln!("skipped: {error}")).ok();
-    // What the tests render differs in values more often than in shaders.
-    GPU.get_or_init(|| open().map(Gpu::with_shared_pipelines)).clone()
+    thread_local!(static OWN: OnceCell<Option<Lease>> = const { OnceCell::new() });
+    OWN.with(|own| own.get_or_init(Lease::new).as_ref().map(|lease| lease.gpu.clone()))
+}
+
+/// The most devices of a process.
+const MOST: usize = 2;
+
+/// The devices, and how many threads use each.
+static DEVICES: Mutex<Vec<(Gpu, usize)>> = Mutex::new(Vec::new());
+
+/// A device that a thread uses.
+struct Lease {
+    gpu: Gpu,
+    place: usize,
+}
+
+impl Lease {
+    fn new() -> Option<Lease> {
+        let mut devices = DEVICES.lock().unwrap_or_else(PoisonError::into_inner);
+        let least = (0..devices.len()).min_by_key(|place| devices[*place].1);
+        let place = match least {
+            Some(place) if devices[place].1 == 0 || devices.len() == MOST => place,
+            _ => {
+                let gpu = Gpu::open().inspect_err(|error| eprintln!("skipped: {error}")).ok()?;
+                devices.push((gpu.with_shared_pipelines(), 0));
+                devices.len() - 1
+            }
+        };
+        devices[place].1 += 1;
+        Some(Lease { gpu: devices[place].0.clone(), place })
+    }
+}
+
+impl Drop for Lease {
+    fn drop(&mut self) {
+        DEVICES.lock().unwrap_or_else(PoisonError::into_inner)[self.place].1 -= 1;
+    }
 }
 
 /// What the tree holds, read once.
