@@ -90,12 +90,12 @@ pub(super) fn table(root: &Path) -> String {
         if !why.is_empty() {
             why += ". ";
         }
-        let pages = on.iter().zip(MACHINES).filter_map(|(on, (_, folder))| {
+        // One link: the page of the machine whose numbers are shown.
+        let page = on.iter().zip(MACHINES).rev().find_map(|(on, (_, folder))| {
             let (of, _) = on.as_ref()?;
             Some(format!("[{}]({}/{}.md)", of.page, folder.trim_start_matches("docs/"), of.page))
         });
-        // One link: the page of the machine whose numbers are shown.
-        why += &pages.last().unwrap_or_default();
+        why += &page.unwrap_or_default();
         let _ = writeln!(
             text,
             "| {place} | {says} | {} | {} | {} | {why} |",

@@ -4,14 +4,14 @@ use crate::error::Failure;
 use std::io;
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// The most bytes of a program's output that are read: its end.
 const MOST_OUTPUT: u64 = 4 << 20;
 
 /// The process that runs, 0 for none: it leads a group of its own, which does not end with this program by itself.
-static RUNNING: AtomicU32 = AtomicU32::new(0);
+static RUNNING: Mutex<u32> = Mutex::new(0);
 
 /// How a program ended.
 #[derive(Debug)]
@@ -33,14 +33,14 @@ pub fn run(words: &[String], folder: &Path, limit: Duration) -> Result<Ended, Fa
     // A file, not a pipe: a program that writes much must not wait for a reader.
     let output = tempfile::NamedTempFile::new().map_err(failed)?;
     let file = output.reopen().map_err(failed)?;
+    let mut command = command(words, folder);
+    command.stdin(Stdio::null()).stdout(file.try_clone().map_err(failed)?).stderr(file);
     let begun = Instant::now();
-    let mut child = command(words, folder)
-        .stdin(Stdio::null())
-        .stdout(file.try_clone().map_err(failed)?)
-        .stderr(file)
-        .spawn()
-        .map_err(failed)?;
-    RUNNING.store(child.id(), Ordering::Relaxed);
+    // Under the lock no signal finds a program that has begun and is not yet known.
+    let mut running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut child = command.spawn().map_err(failed)?;
+    *running = child.id();
+    drop(running);
     let status = loop {
         match child.try_wait() {
             Ok(None) if begun.elapsed() < limit => std::thread::sleep(Duration::from_millis(1)),
@@ -52,7 +52,7 @@ pub fn run(words: &[String], folder: &Path, limit: Duration) -> Result<Ended, Fa
         }
     };
     let wall = begun.elapsed();
-    RUNNING.store(0, Ordering::Relaxed);
+    *RUNNING.lock().unwrap_or_else(PoisonError::into_inner) = 0;
     Ok(Ended { status: status?, wall, output: end_of(output.path()).map_err(failed)? })
 }
 
@@ -75,12 +75,13 @@ fn kill(child: &mut Child) {
     let _ = child.wait();
 }
 
-/// Kills the program that runs, with its children, before this one ends by a signal.
+/// Kills the program that runs, with its children, before this one ends by a signal: no other is started from then on.
 pub fn kill_running() {
-    match RUNNING.load(Ordering::Relaxed) {
-        0 => {}
-        leader => kill_group(leader),
+    let running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
+    if *running != 0 {
+        kill_group(*running);
     }
+    std::mem::forget(running);
 }
 
 #[cfg(unix)]
