@@ -31,6 +31,7 @@ fn tables_of_documents_are_up_to_date() {
 
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     tables.push(("docs/results.md".to_owned(), "findings", results::table(&root)));
+    tables.push(("studies/README.md".to_owned(), "studies", results::studies_table(&root)));
     let bless = std::env::var_os("LIGHTLOOM_BLESS").is_some();
     let mut stale = Vec::new();
     for (path, name, table) in &tables {

@@ -1,6 +1,6 @@
 //! The table of findings, made of the claims that the published results of studies decide and of the reasons that the studies state.
 
-use super::head;
+use super::{head, row};
 use frame_graph::Source;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -103,6 +103,23 @@ pub(super) fn table(root: &Path) -> String {
             verdict(1),
             measured(&shown)
         );
+    }
+    text
+}
+
+/// Returns the table of studies, in the order of the papers, with the pages of their results.
+pub(super) fn studies_table(root: &Path) -> String {
+    let studies = studies(root);
+    let mut names: Vec<(&String, &Study)> = studies.iter().collect();
+    names.sort_by_key(|(_, study)| place(&study.paper));
+    let mut text = head(&["study", "paper", "shows", "results"]);
+    for (name, study) in names {
+        let pages = MACHINES.iter().filter_map(|(machine, folder)| {
+            let page = format!("{folder}/{name}.md");
+            root.join(&page).exists().then(|| format!("[{machine}](../{page})"))
+        });
+        let pages = pages.collect::<Vec<_>>().join(", ");
+        text += &row(&[&format!("[{name}]({name}.ron)"), &study.paper, &study.about, &pages]);
     }
     text
 }
