@@ -24,42 +24,28 @@ pub(crate) fn names_in(folder: &str) -> Vec<String> {
 
 /// The device of a test; `None`, said on stderr, where there is no adapter.
 pub(crate) fn gpu() -> Option<Gpu> {
-    thread_local!(static OWN: OnceCell<Option<Lease>> = const { OnceCell::new() });
-    OWN.with(|own| own.get_or_init(Lease::new).as_ref().map(|lease| lease.gpu.clone()))
+    thread_local!(static OWN: OnceCell<Option<Arc<Gpu>>> = const { OnceCell::new() });
+    OWN.with(|own| own.get_or_init(device).as_deref().cloned())
 }
 
-/// The most devices of a process.
-const MOST: usize = 2;
+/// The most devices of a process: tests that share a queue wait for each other, and each device compiles its pipelines anew.
+const MOST_DEVICES: usize = 2;
 
-/// The devices, and how many threads use each.
-static DEVICES: Mutex<Vec<(Gpu, usize)>> = Mutex::new(Vec::new());
-
-/// A device that a thread uses.
-struct Lease {
-    gpu: Gpu,
-    place: usize,
-}
-
-impl Lease {
-    fn new() -> Option<Lease> {
-        let mut devices = DEVICES.lock().unwrap_or_else(PoisonError::into_inner);
-        let least = (0..devices.len()).min_by_key(|place| devices[*place].1);
-        let place = match least {
-            Some(place) if devices[place].1 == 0 || devices.len() == MOST => place,
-            _ => {
-                let gpu = Gpu::open().inspect_err(|error| eprintln!("skipped: {error}")).ok()?;
-                devices.push((gpu.with_shared_pipelines(), 0));
-                devices.len() - 1
-            }
-        };
-        devices[place].1 += 1;
-        Some(Lease { gpu: devices[place].0.clone(), place })
-    }
-}
-
-impl Drop for Lease {
-    fn drop(&mut self) {
-        DEVICES.lock().unwrap_or_else(PoisonError::into_inner)[self.place].1 -= 1;
+/// Returns a device that no other thread holds, or, where there are as many as there may be, that which fewest hold.
+fn device() -> Option<Arc<Gpu>> {
+    static DEVICES: Mutex<Vec<Arc<Gpu>>> = Mutex::new(Vec::new());
+    let mut devices = DEVICES.lock().unwrap_or_else(PoisonError::into_inner);
+    match devices.iter().min_by_key(|device| Arc::strong_count(device)) {
+        Some(device) if Arc::strong_count(device) == 1 || devices.len() == MOST_DEVICES => {
+            Some(device.clone())
+        }
+        _ => {
+            let gpu = Gpu::open().inspect_err(|error| eprintln!("skipped: {error}")).ok()?;
+            // What the tests render differs in values more often than in shaders.
+            let device = Arc::new(gpu.with_shared_pipelines());
+            devices.push(device.clone());
+            Some(device)
+        }
     }
 }
 
