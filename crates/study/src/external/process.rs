@@ -4,7 +4,7 @@ use crate::error::Failure;
 use std::io;
 use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// The most bytes of a program's output that are read: its end.
@@ -12,6 +12,10 @@ const MOST_OUTPUT: u64 = 4 << 20;
 
 /// The process that runs, 0 for none: it leads a group of its own, which does not end with this program by itself.
 static RUNNING: Mutex<u32> = Mutex::new(0);
+
+fn running() -> MutexGuard<'static, u32> {
+    RUNNING.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// How a program ended.
 #[derive(Debug)]
@@ -37,10 +41,10 @@ pub fn run(words: &[String], folder: &Path, limit: Duration) -> Result<Ended, Fa
     command.stdin(Stdio::null()).stdout(file.try_clone().map_err(failed)?).stderr(file);
     let begun = Instant::now();
     // Under the lock no signal finds a program that has begun and is not yet known.
-    let mut running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
+    let mut known = running();
     let mut child = command.spawn().map_err(failed)?;
-    *running = child.id();
-    drop(running);
+    *known = child.id();
+    drop(known);
     let status = loop {
         match child.try_wait() {
             Ok(None) if begun.elapsed() < limit => std::thread::sleep(Duration::from_millis(1)),
@@ -52,7 +56,7 @@ pub fn run(words: &[String], folder: &Path, limit: Duration) -> Result<Ended, Fa
         }
     };
     let wall = begun.elapsed();
-    *RUNNING.lock().unwrap_or_else(PoisonError::into_inner) = 0;
+    *running() = 0;
     Ok(Ended { status: status?, wall, output: end_of(output.path()).map_err(failed)? })
 }
 
@@ -77,11 +81,11 @@ fn kill(child: &mut Child) {
 
 /// Kills the program that runs, with its children, before this one ends by a signal: no other is started from then on.
 pub fn kill_running() {
-    let running = RUNNING.lock().unwrap_or_else(PoisonError::into_inner);
-    if *running != 0 {
-        kill_group(*running);
+    let leader = running();
+    if *leader != 0 {
+        kill_group(*leader);
     }
-    std::mem::forget(running);
+    std::mem::forget(leader);
 }
 
 #[cfg(unix)]
