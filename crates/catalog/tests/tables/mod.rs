@@ -30,12 +30,13 @@ fn tables_of_documents_are_up_to_date() {
     tables.push(("README.md".to_owned(), "pipelines", pipeline_table(&catalog, false)));
 
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    tables.push(("docs/results.md".to_owned(), "findings", results::table(&root)));
-    tables.push(("studies/README.md".to_owned(), "studies", results::studies_table(&root)));
+    let studies = results::studies(&root);
+    tables.push(("docs/results.md".to_owned(), "findings", results::table(&root, &studies)));
+    tables.push(("studies/README.md".to_owned(), "studies", results::studies_table(&root, &studies)));
     let bless = std::env::var_os("LIGHTLOOM_BLESS").is_some();
     let mut stale = Vec::new();
     for (path, name, table) in &tables {
-        let text = std::fs::read_to_string(root.join(path)).unwrap_or_else(|error| panic!("{path}: {error}"));
+        let text = results::read(&root.join(path));
         let up_to_date = with_table(&text, name, table)
             .unwrap_or_else(|| panic!("{path}: there are no lines `{}` and `{}`", begin(name), end(name)));
         if text == up_to_date {

@@ -41,9 +41,8 @@ struct Published {
 }
 
 /// Returns the table of findings: a row for each sentence of a paper that a study checks, with a verdict of each machine.
-pub(super) fn table(root: &Path) -> String {
-    let studies = studies(root);
-    let on: [Vec<Published>; 2] = MACHINES.map(|(_, folder)| published(root, folder, &studies));
+pub(super) fn table(root: &Path, studies: &BTreeMap<String, Study>) -> String {
+    let on = MACHINES.map(|(_, folder)| published(root, folder, studies));
     let mut findings: Vec<Finding<'_>> = Vec::new();
     for (machine, pages) in on.iter().enumerate() {
         for (place, says, of, rows) in pages.iter().flat_map(sentences) {
@@ -53,7 +52,7 @@ pub(super) fn table(root: &Path) -> String {
             match known {
                 Some(known) => known.on[machine] = Some((of, rows)),
                 None => {
-                    let mut on = [const { None }; 2];
+                    let mut on = [const { None }; MACHINES.len()];
                     on[machine] = Some((of, rows));
                     findings.push(Finding { place, says, study: &of.study, on });
                 }
@@ -80,40 +79,31 @@ pub(super) fn table(root: &Path) -> String {
         let Finding { place, says, study, on } = finding;
         let verdict = |machine: usize| on[machine].as_ref().map_or(String::new(), |(_, rows)| counts(rows));
         // The last machine that has measured it: its pages are of the studies' full sizes.
-        let shown: Vec<&Decided> = (0..MACHINES.len())
-            .rev()
-            .map(|m| finding.rows(m).collect())
-            .find(|rows: &Vec<_>| !rows.is_empty())
-            .unwrap_or_default();
+        let last = on.iter().zip(MACHINES).rev().find_map(|(on, (_, folder))| Some((on.as_ref()?, folder)));
+        let ((of, shown), folder) = last.expect("a machine has measured what is found");
         let all: Vec<&Decided> = (0..MACHINES.len()).flat_map(|machine| finding.rows(machine)).collect();
         let mut why = reasons(study, &all);
         if !why.is_empty() {
             why += ". ";
         }
-        // One link: the page of the machine whose numbers are shown.
-        let page = on.iter().zip(MACHINES).rev().find_map(|(on, (_, folder))| {
-            let (of, _) = on.as_ref()?;
-            Some(format!("[{}]({}/{}.md)", of.page, folder.trim_start_matches("docs/"), of.page))
-        });
-        why += &page.unwrap_or_default();
+        let _ = write!(why, "[{0}]({1}/{0}.md)", of.page, folder.trim_start_matches("docs/"));
         let _ = writeln!(
             text,
             "| {place} | {says} | {} | {} | {} | {why} |",
             verdict(0),
             verdict(1),
-            measured(&shown)
+            measured(shown)
         );
     }
     text
 }
 
 /// Returns the table of studies, in the order of the papers, with the pages of their results.
-pub(super) fn studies_table(root: &Path) -> String {
-    let studies = studies(root);
-    let mut names: Vec<(&String, &Study)> = studies.iter().collect();
-    names.sort_by_key(|(_, study)| place(&study.paper));
+pub(super) fn studies_table(root: &Path, studies: &BTreeMap<String, Study>) -> String {
+    let mut studies: Vec<(&String, &Study)> = studies.iter().collect();
+    studies.sort_by_key(|(_, study)| place(&study.paper));
     let mut text = head(&["study", "paper", "shows", "results"]);
-    for (name, study) in names {
+    for (name, study) in studies {
         let pages = MACHINES.iter().filter_map(|(machine, folder)| {
             let page = format!("{folder}/{name}.md");
             root.join(&page).exists().then(|| format!("[{machine}](../{page})"))
@@ -139,7 +129,7 @@ impl<'p> Finding<'p> {
 }
 
 /// Reads the studies of the tree.
-fn studies(root: &Path) -> BTreeMap<String, Study> {
+pub(super) fn studies(root: &Path) -> BTreeMap<String, Study> {
     files(&root.join("studies"), "ron")
         .iter()
         .map(|path| {
@@ -164,7 +154,7 @@ fn published(root: &Path, folder: &str, studies: &BTreeMap<String, Study>) -> Ve
     all
 }
 
-fn read(path: &Path) -> String {
+pub(super) fn read(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
