@@ -13,22 +13,12 @@
 //     fn contribution(receiver: Receiver, light: VirtualLight, index: u32, terms: vec2<f32>) -> Sum
 //     fn store(pixel: vec2<u32>, sum: Sum, seen: bool)
 //
-// where `terms` are those of `geometry`, times the visibility; `index` is the light's.
+// where `terms` are those of `light_geometry`, times the visibility; `index` is the light's.
 
-#option GEOMETRY bounded one_of [bounded, point-to-disc, disc] // What a light near a receiver gives. bounded: no more than at the
-    // bound, so what is nearer is lost. disc: what a disc of the light's area gives, for lights that stand for an area of known
-    // shape. point-to-disc: the same where it is straight ahead, Φ cosθ cosθ' / (π d² + A), and less elsewhere (ACRSM Eq. 3.9).
 #option VISIBILITY false // whether something says which lights are seen
 
-#import "camera.wgsl"
-#import "color.wgsl"
-#if GEOMETRY == disc
-#import "disc-irradiance.wgsl"
-#else
-#import "bounded-geometry.wgsl"
-#endif
-#import "scene.wgsl"
-#import "surface-around.wgsl"
+#import "light-geometry.wgsl"
+#import "view-place.wgsl"
 #import "virtual-lights.wgsl"
 #if VISIBILITY
 #import interface "visibility"
@@ -56,55 +46,6 @@ fn subset(s: u32, subsets: u32, count: u32) -> Subset {
         return Subset(first, (s + 1u) * count / subsets - first, 1u);
     }
     return Subset(s, (count + subsets - 1u - s) / subsets, subsets);
-}
-
-/// Geometry term of a light without its visibility [1/m²], cosθ cosθ' / (π d²), or the cosine alone where the light is infinitely
-/// far: what remains after the bound, and what the bound removes.
-fn geometry(light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> vec2<f32> {
-    if light.kind == INFINITELY_FAR {
-        return vec2(max(-dot(normal, light.normal), 0.0), 0.0);
-    }
-    let offset = at - light.position;
-    // Below the rounding of positions, neither the distance nor the light's direction is meaningful.
-    let rounding = 1e-6 * scene_info.extent;
-    let closest = settings.clamp * scene_info.dense_extent;
-#if GEOMETRY == disc
-    let radius = max(closest, rounding);
-    return vec2(disc_irradiance(offset, light.normal, normal, max(light.area / PI, radius * radius)), 0.0);
-#else
-    var least = PI * closest * closest;
-    var disc = light.area;
-#if GEOMETRY == bounded
-    least = max(least, settings.area_bound * settings.area_bound * light.area);
-    disc = 0.0;
-#endif
-    return bounded_geometry(offset, light.normal, normal, rounding, least, disc);
-#endif
-}
-
-/// Irradiance of a light [W/m²], and the luminance of what the bound removed.
-fn light_sum(flux: vec3<f32>, terms: vec2<f32>) -> vec4<f32> {
-    return vec4(flux * terms.x, luminance(flux) * terms.y);
-}
-
-/// A pixel for which a thread gathers.
-struct Place {
-    pixel: vec2<u32>,
-    /// Whether it is in the frame and something is seen there.
-    seen: bool,
-    at: vec3<f32>,
-    normal: vec3<f32>,
-    /// The normal of its plane.
-    plane: vec3<f32>,
-}
-
-/// The place at a pixel; where that is outside of the frame, at the nearest inside.
-fn place_at(pixel: vec2<u32>) -> Place {
-    let inside = min(pixel, settings.view_size - 1u);
-    let depth = textureLoad(view_depth, inside, 0).x;
-    let normal = normalize(textureLoad(view_normal, inside, 0).xyz);
-    let at = camera.position + pixel_ray(vec2<f32>(inside), settings.view_size) * depth;
-    return Place(pixel, depth > 0.0 && all(pixel == inside), at, normal, plane_normal(inside, normal));
 }
 
 /// Pixels per thread along each side of a square, GROUP_SIDE apart: each light is read once for all of them.
@@ -143,7 +84,7 @@ fn gather(
     var receivers: array<Receiver, SPAN * SPAN>;
     for (var r = 0u; r < SPAN * SPAN; r++) {
         let pixel = (corner + GROUP_SIDE * vec2(r % SPAN, r / SPAN)) * interleave + first;
-        receivers[r] = receiver(place_at(pixel));
+        receivers[r] = receiver(place_at(pixel, settings.view_size));
     }
     let own = subset(image, subsets, min(lights.count, arrayLength(&lights.lights)));
     let part_end = min(own.count, settings.end);
@@ -204,7 +145,7 @@ fn complete(
         if item < pixels * subsets {
             let own = subset(item % subsets, subsets, count);
             let end = min(own.count, settings.end / subsets);
-            var one = receiver(place_at(pixel_of_list(group, item / subsets)));
+            var one = receiver(place_at(pixel_of_list(group, item / subsets), settings.view_size));
             for (var k = settings.begin / subsets; k < end; k++) {
                 let index = own.first + k * own.stride;
                 one.sum += light_at(one, lights.lights[index], index);
@@ -220,7 +161,7 @@ fn complete(
         workgroupBarrier();
     }
     if local_index < pixels {
-        add(place_at(pixel_of_list(group, local_index)), whole);
+        add(place_at(pixel_of_list(group, local_index), settings.view_size), whole);
     }
 }
 
@@ -233,7 +174,7 @@ fn pixel_of_list(group: vec3<u32>, place: u32) -> vec2<u32> {
 /// Whether a pixel sees a surface that too few pixels of the window of the interleaving see. The window and what counts as
 /// the same surface are those of geometry-aware-blur.
 fn is_alone(pixel: vec2<u32>, interleave: vec2<u32>) -> bool {
-    let place = place_at(pixel);
+    let place = place_at(pixel, settings.view_size);
     if !place.seen {
         return false;
     }
@@ -256,11 +197,9 @@ fn is_alone(pixel: vec2<u32>, interleave: vec2<u32>) -> bool {
 /// What a light gives at a pixel.
 fn light_at(receiver: Receiver, light: VirtualLight, index: u32) -> Sum {
     let place = receiver.place;
-    var terms = geometry(light, place.at, place.normal);
+    var terms = light_geometry(light, place.at, place.normal, settings.clamp, settings.area_bound);
 #if VIEW_GEOMETRIC
-    // No light arrives from behind the plane, even where a bent normal faces it.
-    let to_light = select(light.position - place.at, -light.normal, light.kind == INFINITELY_FAR);
-    terms *= select(0.0, 1.0, dot(place.plane, to_light) > 0.0);
+    terms *= select(0.0, 1.0, is_before(light, place.at, place.plane));
 #endif
 #if VISIBILITY
     if terms.x > 0.0 && place.seen {

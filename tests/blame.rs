@@ -145,7 +145,7 @@ const FAULTS: &[Fault] = &[
     ),
     ("gather", GATHER, "receivers[r].sum * f32(subsets)", "receivers[r].sum * f32(subsets + subsets / 8u)"),
     ("gather", GATHER, "subsets - first, 1u)", "subsets - first - select(0u, 1u, subsets > 1u), 1u)"),
-    ("gather", GATHER, "(group, local_index)), whole);", "(group, local_index)), whole * 0.5);"),
+    ("gather", GATHER, "settings.view_size), whole);", "settings.view_size), whole * 0.5);"),
     ("filter", FILTER, "select(alone, sum / weights,", "select(alone, sum / weights * 1.1,"),
     (
         "filter",
@@ -178,9 +178,14 @@ const FAULTS: &[Fault] = &[
         "max(-dot(normal, offset), 0.0)",
         "max(-dot(normal, offset), 0.5 * length(offset))",
     ),
-    ("gather", GATHER, "vec4(flux * terms.x,", "vec4(flux * terms.x * 1.1,"),
+    ("gather", "shaders/light-geometry.wgsl", "vec4(flux * terms.x,", "vec4(flux * terms.x * 1.1,"),
     ("gather", GATHER, "visibility(index, light, place.at, place.plane)", "1.0"),
-    ("gather", GATHER, "pixel_ray(vec2<f32>(inside),", "pixel_ray(vec2<f32>(inside) + 1.0,"),
+    (
+        "gather",
+        "shaders/view-place.wgsl",
+        "pixel_ray(vec2<f32>(inside),",
+        "pixel_ray(vec2<f32>(inside) + 1.0,",
+    ),
     (
         "gather",
         "passes/gather/gather.wgsl",
