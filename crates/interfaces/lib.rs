@@ -15,6 +15,7 @@ pub mod frame_mean;
 pub mod gbuffer;
 pub mod importance;
 pub mod irradiance;
+pub mod light_tree;
 pub mod owners;
 pub mod path_samples;
 pub mod points;
@@ -39,6 +40,7 @@ pub static INTERFACES: &[Interface] = &[
     reflective_shadow_map::INTERFACE,
     importance::INTERFACE,
     virtual_lights::INTERFACE,
+    light_tree::INTERFACE,
     owners::INTERFACE,
     clusters::INTERFACE,
     cluster_map::INTERFACE,

@@ -34,6 +34,7 @@ mod clusters;
 pub mod frame_mean;
 mod given;
 mod harness;
+pub mod light_tree;
 mod outputs;
 pub mod points;
 pub mod random;

@@ -2,6 +2,7 @@
 
 use interfaces::INTERFACES;
 use interfaces::clusters::{self, Cluster, ClustersHeader, NO_TEXEL};
+use interfaces::light_tree::{self, LightNode, LightTreeHeader};
 use interfaces::progress::PROGRESS;
 use interfaces::surface_points::{self, SurfacePoint, SurfacePointsHeader, packed_albedo};
 use interfaces::virtual_lights::{self, VirtualLight};
@@ -11,6 +12,10 @@ wgsl_structs::wgsl! {
     "clusters/clusters.wgsl" {
         use interfaces::clusters::Cluster;
         use interfaces::clusters::ClustersHeader;
+    }
+    "light_tree/light-nodes.wgsl" {
+        use interfaces::light_tree::LightNode;
+        struct LightTree as Tree;
     }
     "points/surface-sample.wgsl" {
         use interfaces::points::SurfaceSample;
@@ -103,6 +108,19 @@ fn lights_come_out_of_their_buffer() {
     assert_eq!(virtual_lights::from_bytes(&bytes[..15]), None, "no header");
     let many = [&u32::MAX.to_le_bytes()[..], &bytes[4..]].concat();
     assert_eq!(virtual_lights::from_bytes(&many), None);
+}
+
+#[test]
+fn trees_come_out_of_their_buffer() {
+    let leaf = LightNode { light: 3, flux: 2.0, low: [1.0, 2.0, 3.0], ..Default::default() };
+    let header = LightTreeHeader { count: 1, root: 1, ..Default::default() };
+    let bytes = light_tree::to_bytes(&header, &[LightNode::default(), leaf]);
+    let wanted = (LightTreeHeader { leaves: 1, ..header }, vec![LightNode::default(), leaf]);
+    assert_eq!(light_tree::from_bytes(&bytes), Some(wanted));
+    assert_eq!(light_tree::from_bytes(&bytes[..bytes.len() - 1]), None);
+    let many = [&bytes[..4], &u32::MAX.to_le_bytes(), &bytes[8..]].concat();
+    assert_eq!(light_tree::from_bytes(&many), None);
+    assert_eq!([0, 1, 5, 64].map(light_tree::leaves), [1, 1, 8, 64]);
 }
 
 /// Modules that stand in for those of producers are there and answer by themselves.
