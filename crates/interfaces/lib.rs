@@ -25,6 +25,7 @@ pub mod radiance_mean;
 pub mod radiosity;
 pub mod reflective_shadow_map;
 pub mod reprojection;
+pub mod reservoirs;
 pub mod seen_surfaces;
 pub mod stands;
 pub mod surface_points;
@@ -51,6 +52,7 @@ pub static INTERFACES: &[Interface] = &[
     depth_atlas::INTERFACE,
     visibility::INTERFACE,
     stands::INTERFACE,
+    reservoirs::INTERFACE,
     irradiance::INTERFACE,
     counters::INTERFACE,
     progress::INTERFACE,

@@ -38,6 +38,7 @@ pub mod light_tree;
 mod outputs;
 pub mod points;
 pub mod random;
+pub mod reservoirs;
 pub mod rooms;
 mod shader_use;
 pub mod statistics;

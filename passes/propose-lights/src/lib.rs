@@ -1,0 +1,28 @@
+#![doc = include_str!("../README.md")]
+
+use gpu_algorithms::segmented_scan;
+use interfaces::virtual_lights;
+use pass::{OutputDesc, Outputs, PassTypeError, ReadSettings, RecordContext, Recording, Settings, reflected};
+
+pass::from_wgsl!(outputs, record);
+
+fn is_by_power(settings: &Settings) -> Result<bool, PassTypeError> {
+    Ok(settings.text("proposal")? == "power")
+}
+
+fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
+    let mut outputs = cx.declared()?;
+    if is_by_power(cx.settings)? {
+        outputs.push(OutputDesc::scratch_u32("power_sums", cx.fact("lights", virtual_lights::COUNT)?.max(1)));
+    }
+    Ok(outputs)
+}
+
+fn record(cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
+    let mut recording = Recording::default();
+    if is_by_power(cx.settings)? {
+        recording = recording.then(segmented_scan(&cx.file("cumulate.wgsl"), 1, 1));
+    }
+    recording.steps.extend(reflected::record(cx)?.steps);
+    Ok(recording)
+}

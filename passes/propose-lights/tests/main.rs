@@ -1,0 +1,91 @@
+//! The lights that pixels choose: by which probabilities, and with which weights.
+
+use interfaces::reservoirs::Reservoir;
+use interfaces::virtual_lights::VirtualLight;
+use pass_test::Harness;
+use pass_test::reservoirs::{SIDE, TARGET, assert_unbiased, counts, flat, lights, shares};
+use pass_test::statistics::assert_follows;
+use propose_lights::PASS;
+
+fn harness<'a>(lights: &[VirtualLight], candidates: u32) -> Harness<'a> {
+    let (bound, least, doubt) = TARGET;
+    let set = [("bound", bound), ("least", least), ("doubt", doubt)];
+    let harness = Harness::new(PASS).middle_of_plane(flat).set("candidates", candidates).lights(lights);
+    set.into_iter().fold(harness, |harness, (name, value)| harness.set(name, value))
+}
+
+fn choose(harness: Harness<'_>) -> Option<Vec<Reservoir>> {
+    Some(harness.run()?.read("reservoirs"))
+}
+
+#[test]
+fn every_variant_of_the_shaders_is_valid() {
+    pass_test::assert_shaders_are_valid(PASS);
+}
+
+#[test]
+fn weights_are_unbiased_for_any_number_of_candidates() {
+    let lights = lights();
+    for (proposal, candidates) in [("power", 1), ("power", 3), ("uniform", 2), ("uniform", 16)] {
+        let Some(found) = choose(harness(&lights, candidates).set("proposal", proposal)) else { return };
+        assert!(found.iter().all(|reservoir| reservoir.count == candidates as f32));
+        assert_unbiased(&found, lights.len() as u32);
+    }
+}
+
+#[test]
+fn many_candidates_follow_the_target() {
+    let lights = lights();
+    let Some(found) = choose(harness(&lights, 512)) else { return };
+    let shares = shares(&lights, [0.0; 3], [0.0, 1.0, 0.0]);
+    let expected: Vec<f64> = shares.iter().map(|share| share * f64::from(SIDE * SIDE)).collect();
+    assert_follows(&counts(&found, lights.len()), &expected);
+}
+
+/// A guess moves choices to the lights that seem to be seen, and no sum. Where it takes long, candidates are divided among dispatches.
+#[test]
+fn a_guess_decides_how_often_a_light_is_chosen_and_not_its_weight() {
+    let lights = lights();
+    let guessed = harness(&lights, 16)
+        .input("visibility", "Visibility", &[], Vec::new())
+        .module("passes/propose-lights/tests/half-hidden.wgsl")
+        // A dispatch takes four candidates.
+        .fact("iterations", 8_000u32);
+    let (Some(plain), Some(guessed)) = (choose(harness(&lights, 16)), choose(guessed)) else { return };
+    assert_unbiased(&guessed, lights.len() as u32);
+    let hidden = |found: &[Reservoir]| counts(found, lights.len()).iter().step_by(2).sum::<u32>();
+    assert!(3 * hidden(&guessed) < 2 * hidden(&plain), "{} and {}", hidden(&guessed), hidden(&plain));
+    let wrong = guessed.iter().find(|r| r.guess != if r.light.texel % 2 == 1 { 1.0 } else { TARGET.2 });
+    assert!(wrong.is_none(), "{wrong:?}");
+}
+
+#[test]
+fn reservoirs_of_a_pixel_differ() {
+    let lights = lights();
+    let Some(found) = choose(harness(&lights, 2).set("per_pixel", 3)) else { return };
+    assert_eq!(found.len() as u32, 3 * SIDE * SIDE);
+    assert_unbiased(&found, lights.len() as u32);
+    assert!(found.chunks(3).any(|pixel| pixel[0].light.texel != pixel[1].light.texel));
+}
+
+#[test]
+fn without_light_nothing_is_chosen() {
+    let mut dark = lights();
+    dark.iter_mut().for_each(|light| light.flux = [0.0; 3]);
+    let one = &lights()[..1];
+    for proposal in ["power", "uniform"] {
+        for (lights, weight) in [(&dark[..], 0.0), (&[], 0.0), (one, 1.0)] {
+            let Some(found) = choose(harness(lights, 4).set("proposal", proposal)) else { return };
+            let off = found.iter().find(|r| (r.weight - weight).abs() > 1e-5 || r.count != 4.0);
+            assert!(off.is_none(), "{proposal}: {off:?}");
+        }
+    }
+}
+
+#[test]
+fn what_is_not_a_number_is_never_chosen() {
+    let mut lights = lights();
+    lights[1].flux = [f32::NAN; 3];
+    let Some(found) = choose(harness(&lights, 8)) else { return };
+    assert!(found.iter().all(|r| r.weight.is_finite() && r.light.texel != 1));
+}
