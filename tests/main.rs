@@ -40,6 +40,7 @@ mod reports;
 mod reproduce;
 mod reprojected;
 mod rerun;
+mod reservoirs;
 mod sequential;
 mod skies;
 mod sources;

@@ -1,0 +1,89 @@
+//! Virtual lights chosen by reservoirs, against a gather of all lights by rays: the same mean, whatever is reused.
+
+use crate::adapter::{energy, renderer};
+use glam::Vec3;
+use metrics::statistics::Summary;
+use renderer::Renderer;
+use scene::Camera;
+
+const SIZE: (u32, u32) = (64, 48);
+
+/// Groups of frames. What one frame has too much of for its few lights, another that reuses them has not: so means of groups differ
+/// less than frames do.
+const GROUPS: u32 = 8;
+
+const FRAMES: u32 = 6;
+
+const SET: &[&str] = &["lights=64", "rsm.size=64", "candidates=16", "map=16"];
+
+/// restir-vpl, with an output in which every pixel takes all lights.
+const BESIDE_ALL: &str = r#"Pipeline(
+    extends: "restir-vpl.ron",
+    about: "Chosen lights beside all lights",
+    passes: {
+        "rays": Pass(kind: "visibility-ray-traced"),
+        "all": Pass(
+            kind: "gather",
+            in: { "view": "view", "lights": "lights", "visibility": "rays" },
+            set: { "interleave_x": 1, "interleave_y": 1, "clamp": 0.05, "area_bound": 0.0 },
+        ),
+    },
+    outputs: { "all": "all", "chosen": "gather.irradiance" },
+)"#;
+
+fn beside_all(scene: &str, values: &[&str]) -> Option<Renderer> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("beside-all.ron");
+    std::fs::write(&path, BESIDE_ALL).unwrap();
+    renderer(&path.to_string_lossy(), scene, SIZE, &[SET, values].concat())
+}
+
+/// Runs frames, and asserts that chosen lights give as much as all lights, in the mean over the frames after the first. `before` changes
+/// what is rendered in a frame.
+fn assert_same_energy(name: &str, values: &[&str], scene: &str, before: impl Fn(&mut Renderer, u32)) {
+    let Some(mut renderer) = beside_all(scene, values) else { return };
+    renderer.keep_only(["all", "chosen"]).unwrap();
+    let (mut all, mut off) = (0.0, vec![0.0; GROUPS as usize]);
+    for frame in 0..=GROUPS * FRAMES {
+        before(&mut renderer, frame);
+        renderer.frame().unwrap();
+        let [every, chosen] = ["all", "chosen"].map(|name| energy(&renderer.output(name).unwrap()));
+        if frame > 0 {
+            all += every / f64::from(GROUPS * FRAMES);
+            off[((frame - 1) / FRAMES) as usize] += (chosen - every) / f64::from(FRAMES);
+        }
+    }
+    let Summary { mean, half_width_95, .. } = Summary::of(&off).unwrap();
+    let (off, half) = (mean / all, half_width_95 / all);
+    eprintln!("{name}: RATIO energy {:.4} ± {half:.4}", 1.0 + off);
+    assert!(half < 0.015, "{name}: an energy of {} ± {half} decides nothing", 1.0 + off);
+    assert!(off.abs() < 0.005 + half, "{name}: energy {} ± {half}", 1.0 + off);
+}
+
+fn nothing_moves(_: &mut Renderer, _: u32) {}
+
+/// Moves the camera to the side, by more than what a pixel shows.
+fn walks(renderer: &mut Renderer, frame: u32, cut: bool) {
+    let camera = renderer.scene().camera;
+    let by = Vec3::new(0.02, 0.01, 0.0) * (frame % 8) as f32;
+    renderer.set_camera(Some(Camera { position: camera.position + by, ..camera }), cut);
+}
+
+#[test]
+fn what_pixels_choose_has_the_energy_of_all_lights() {
+    let still = ["most=0.0", "neighbours=0"];
+    assert_same_energy("alone", &still, "cornell-box", nothing_moves);
+    assert_same_energy("guessed", &[&still[..], &["guess=true"]].concat(), "cornell-box", nothing_moves);
+    assert_same_energy("with pixels around", &["most=0.0"], "cornell-box", nothing_moves);
+}
+
+#[test]
+fn reuse_over_frames_has_the_energy_of_all_lights() {
+    let reuse = ["most=3.0", "neighbours=3"];
+    assert_same_energy("still", &reuse, "cornell-box", nothing_moves);
+    assert_same_energy("surfaces come into view", &reuse, "cornell-box", |r, frame| walks(r, frame, false));
+    assert_same_energy("a cut in each frame", &reuse, "cornell-box", |r, frame| walks(r, frame, true));
+    assert_same_energy("all moves", &reuse, "cornell-box-moving", |r, frame| {
+        r.set_time(Some(frame as f32 / 15.0));
+    });
+}
