@@ -231,7 +231,7 @@ fn run_in_miniature(wanted: fn(&str) -> bool) {
             arguments.extend(["--set", "lights/replacement.warm_up=4"]);
         }
         // Rays, exact maps and what casts no shadow need no points.
-        let pointless = ["approximations", "near-field", "acrsm-fig-3-10", "acrsm-fig-6-1"];
+        let pointless = ["approximations", "near-field", "acrsm-fig-3-10", "acrsm-fig-6-1", "light-tree"];
         if !own_points && !pointless.contains(&&*name) && !name.contains("smc-ir") {
             arguments.extend(["--set", "shadows.points_per_map=256"]);
         }
