@@ -1,17 +1,9 @@
-// The lights that are in a tree, and the box around those on surfaces.
+// The lights that are in a tree. Of their summary, the box is around those on surfaces [m].
 
+#import "algorithms/summary.wgsl"
 #import "color.wgsl"
 #import "light-nodes.wgsl"
 #import "virtual-lights.wgsl"
-
-struct Summary {
-    /// The box around the lights on surfaces [m].
-    low: vec3<f32>,
-    /// The number of lights that are not dark.
-    count: u32,
-    high: vec3<f32>,
-    pad: u32,
-}
 
 /// The most that a light, or all below a node, count as.
 const GREATEST: f32 = 1e37;

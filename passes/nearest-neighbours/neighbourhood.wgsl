@@ -3,17 +3,9 @@
 // Lengths are in a unit near the scene's extent, so that their squares stay in range for scenes of any scale. It is a power of
 // two times a metre: positions in it are exact, and so are differences of neighbours.
 
+#import "algorithms/summary.wgsl"
 #import "scene.wgsl"
 #import "surface-points.wgsl"
-
-struct Summary {
-    /// The box around all points that are not empty [units].
-    low: vec3<f32>,
-    /// The number I of these.
-    count: u32,
-    high: vec3<f32>,
-    pad: u32,
-}
 
 /// Units in a metre.
 fn units_per_metre() -> f32 {

@@ -9,7 +9,7 @@
 //   fn reduce_workgroup(thread: u32, own: Reduced) -> Reduced   what 256 threads bring, combined; all of them call it
 //   fn reduce_store(result: Reduced)                  called once, by one thread
 // For sums of f32, of vec4 and of Scaled, sum-f32.wgsl, sum-vec4.wgsl and sum-scaled.wgsl give all but the first two
-// functions and the last.
+// functions and the last; for the box around points, so does summarize.wgsl.
 
 #import "algorithms/workgroup.wgsl"
 #import "dispatch.wgsl"

@@ -7,7 +7,7 @@
 //!
 //! | | the shader imports | scratch | steps |
 //! |---|---|---|---|
-//! | combine all elements into one | `algorithms/reduce.wgsl`, `sum-f32.wgsl`, `sum-vec4.wgsl`, `sum-scaled.wgsl` | [`reduce::scratch`] | [`reduce::steps`] |
+//! | combine all elements into one | `algorithms/reduce.wgsl`, `sum-f32.wgsl`, `sum-vec4.wgsl`, `sum-scaled.wgsl`, `summarize.wgsl` | [`reduce::scratch`] | [`reduce::steps`] |
 //! | prefix sums of integers | `algorithms/scan.wgsl` | [`scan::scratch`] | [`scan::steps`] |
 //! | keep some elements | `algorithms/compact.wgsl` | [`scan::scratch`] | [`scan::steps`] |
 //! | prefix sums of weights, by segments | `algorithms/segmented-scan.wgsl` | | [`segmented_scan`] |

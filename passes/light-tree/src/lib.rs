@@ -9,7 +9,7 @@ use pass::{
 pass::from_wgsl!(outputs, record);
 
 /// The lights that are in the tree, all together.
-const SUMMARY: Struct = Struct::new("passes/light-tree/lit-lights.wgsl", "Summary");
+const SUMMARY: Struct = Struct::new("shaders/algorithms/summary.wgsl", "Summary");
 
 /// Scratch of the reduction that makes the summary.
 const SUMMARIES: &str = "summaries";

@@ -13,7 +13,7 @@ pub const PASS: &dyn Pass = &NearestNeighbours;
 struct NearestNeighbours;
 
 /// The points among which neighbours are searched, all together.
-const SUMMARY: Struct = Struct::new("passes/nearest-neighbours/neighbourhood.wgsl", "Summary");
+const SUMMARY: Struct = Struct::new("shaders/algorithms/summary.wgsl", "Summary");
 
 /// Scratch of the reduction that makes the summary.
 const SUMMARIES: &str = "summaries";
