@@ -39,6 +39,11 @@ fn contribution(by: Target, light: VirtualLight, receiver: Receiver) -> f32 {
     return weight_of(luminance(light.flux) * (term + by.least * far));
 }
 
+/// Returns the share of a in the sum of a and b, which are not negative.
+fn share_of(a: f32, b: f32) -> f32 {
+    return a / max(a + b, 1e-37);
+}
+
 /// The choice of a light among candidates.
 struct Resampling {
     reservoir: Reservoir,

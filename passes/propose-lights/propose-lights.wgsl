@@ -99,11 +99,10 @@ fn is_dark(count: u32) -> bool {
 @compute @workgroup_size(64)
 fn choose_light(row: Row) {
     let index = index_in(row, 64u);
-    let pixel_index = index / settings.per_pixel;
-    if pixel_index >= settings.view_size.x * settings.view_size.y {
+    let pixel = pixel_of_reservoir(index, settings.per_pixel, settings.view_size.x);
+    if pixel.y >= settings.view_size.y {
         return;
     }
-    let pixel = vec2(pixel_index % settings.view_size.x, pixel_index / settings.view_size.x);
     let place = place_at(pixel, settings.view_size);
     let count = min(lights.count, arrayLength(&lights.lights));
     let candidates = f32(settings.candidates);

@@ -68,24 +68,19 @@ fn neighbour(around: SurfaceAround, slot: u32, key: u32, k: u32) -> Neighbour {
     // As unsigned numbers, negative ones are large.
     let counts = any(other != around.pixel) && all(pixel < settings.view_size)
         && is_same_surface(around, other, SAME_PLANE, SAME_NORMAL);
-    return Neighbour(counts, pixel, (pixel.y * settings.view_size.x + pixel.x) * settings.reservoirs_per_pixel + slot);
-}
-
-/// Returns a over the sum of a and b, which are not negative.
-fn share_of(a: f32, b: f32) -> f32 {
-    return a / max(a + b, 1e-37);
+    let index = reservoir_of_pixel(pixel, slot, settings.reservoirs_per_pixel, settings.view_size.x);
+    return Neighbour(counts, pixel, index);
 }
 
 /// Resamples a reservoir of a pixel. [threads: view.width * view.height * reservoirs.per_pixel]
 @compute @workgroup_size(64)
 fn reuse(row: Row) {
     let index = index_in(row, 64u);
-    let pixel_index = index / settings.reservoirs_per_pixel;
-    if pixel_index >= settings.view_size.x * settings.view_size.y {
+    let pixel = pixel_of_reservoir(index, settings.reservoirs_per_pixel, settings.view_size.x);
+    if pixel.y >= settings.view_size.y {
         return;
     }
     let own = reservoirs.reservoirs[index];
-    let pixel = vec2(pixel_index % settings.view_size.x, pixel_index / settings.view_size.x);
     let depth = textureLoad(view_depth, pixel, 0).x;
     if depth <= 0.0 || settings.neighbours == 0u {
         reused.reservoirs[index] = own;

@@ -100,36 +100,35 @@ fn most_of_past() -> f32 {
 @compute @workgroup_size(64)
 fn reuse(row: Row) {
     let index = index_in(row, 64u);
-    let pixel_index = index / settings.reservoirs_per_pixel;
-    if pixel_index >= settings.view_size.x * settings.view_size.y {
+    let pixel = pixel_of_reservoir(index, settings.reservoirs_per_pixel, settings.view_size.x);
+    if pixel.y >= settings.view_size.y {
         return;
     }
     let own = reservoirs.reservoirs[index];
     var result = own;
 #if PAST && SEEN
-    let pixel = vec2(pixel_index % settings.view_size.x, pixel_index / settings.view_size.x);
     let place = place_at(pixel, settings.view_size);
     let key = hash2(settings.seed, index);
     let texel = texel_before(pixel, unit_float(hash2(key, 0u)));
     if settings.past_age > 0u && place.seen && all(texel < settings.view_size) {
-        let slot = (texel.y * settings.view_size.x + texel.x) * settings.reservoirs_per_pixel
-            + index % settings.reservoirs_per_pixel;
-        var before = past.reservoirs[slot];
+        let slot = index % settings.reservoirs_per_pixel;
+        var before =
+            past.reservoirs[reservoir_of_pixel(texel, slot, settings.reservoirs_per_pixel, settings.view_size.x)];
         before.count = min(before.count, most_of_past() * own.count);
         let by = Target(settings.reservoirs_bound, settings.reservoirs_least);
         let here = Receiver(place.at, place.normal);
         let there = Receiver(textureLoad(seen_position, texel, 0).xyz, textureLoad(seen_normal, texel, 0).xyz);
-        // By row: what each of the two pixels has for the light of each.
-        let of_own = own.count * contribution(by, own.light, here);
-        let of_own_there = before.count * contribution(by, own.light, there);
-        let of_before = before.count * contribution(by, before.light, there);
-        let of_before_here = own.count * contribution(by, before.light, here);
+        // What each of the two pixels has for the light of each.
+        let own_here = contribution(by, own.light, here);
+        let own_there = contribution(by, own.light, there);
+        let before_here = contribution(by, before.light, here);
+        let before_there = contribution(by, before.light, there);
         var choice = Resampling(no_light(0.0), 0.0, 0.0);
-        let own_value = contribution(by, own.light, here) * own.guess;
-        let own_share = of_own / max(of_own + of_own_there, 1e-37);
+        let own_value = own_here * own.guess;
+        let own_share = share_of(own.count * own_here, before.count * own_there);
         offer(&choice, own, own_value, own_share * own_value * own.weight, unit_float(hash2(key, 1u)));
-        let before_value = contribution(by, before.light, here) * before.guess;
-        let before_share = of_before / max(of_before + of_before_here, 1e-37);
+        let before_value = before_here * before.guess;
+        let before_share = share_of(before.count * before_there, own.count * before_here);
         offer(&choice, before, before_value, before_share * before_value * before.weight, unit_float(hash2(key, 2u)));
         result = chosen(choice, own.count + before.count);
     }

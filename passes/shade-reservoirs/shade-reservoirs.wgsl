@@ -46,7 +46,7 @@ fn shade(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let place = place_at(id.xy, settings.view_size);
-    let first = (id.y * settings.view_size.x + id.x) * settings.reservoirs_per_pixel;
+    let first = reservoir_of_pixel(id.xy, 0u, settings.reservoirs_per_pixel, settings.view_size.x);
     var sum = vec4(0.0);
     for (var slot = 0u; slot < settings.reservoirs_per_pixel; slot++) {
         let reservoir = reservoirs.reservoirs[first + slot];

@@ -33,3 +33,14 @@ fn no_light(count: f32) -> Reservoir {
     none.guess = 1.0;
     return none;
 }
+
+/// Returns the pixel of a reservoir of a view of `width` pixels a row; where there is no such reservoir, a pixel below the last row.
+fn pixel_of_reservoir(index: u32, per_pixel: u32, width: u32) -> vec2<u32> {
+    let pixel = index / per_pixel;
+    return vec2(pixel % width, pixel / width);
+}
+
+/// Returns the index of a reservoir of a pixel, of which each has `per_pixel`.
+fn reservoir_of_pixel(pixel: vec2<u32>, slot: u32, per_pixel: u32, width: u32) -> u32 {
+    return (pixel.y * width + pixel.x) * per_pixel + slot;
+}
