@@ -95,8 +95,11 @@ pub fn wgsl(good: impl IntoIterator<Item = String>) -> impl Strategy<Value = Str
 
 fn edit_wgsl(mut text: String, at: &Index, how: u8, other: &Index) -> String {
     if how < 2 {
-        // A statement on a line of its own.
-        let ends = |line: &&str| line.trim_end().ends_with(';') && line.starts_with(' ');
+        // A statement on a line of its own. Without a declaration, or with two, the text does not compile.
+        let declares = |line: &str| ["let ", "var ", "const "].iter().any(|word| line.starts_with(word));
+        let ends = |line: &&str| {
+            line.trim_end().ends_with(';') && line.starts_with(' ') && !declares(line.trim_start())
+        };
         let lines: Vec<Range<usize>> = text
             .split_inclusive('\n')
             .filter(ends)

@@ -206,8 +206,8 @@ fn edits_of_what_a_shader_says_get_past_the_parser() {
         files.push(("main.wgsl", &text));
         library(&files).load(&Request::new("main.wgsl")).is_ok()
     };
-    let taken = mutation::taken(&mutation::wgsl(good_texts()), 100, parses);
-    assert!(3 * taken >= 100, "{taken} of 100");
+    let taken = mutation::taken(&mutation::wgsl(good_texts()), 400, parses);
+    assert!(3 * taken >= 400, "{taken} of 400");
 }
 
 proptest! {
