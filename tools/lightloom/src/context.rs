@@ -1,7 +1,7 @@
 //! The context of all commands, and arguments that several of them take.
 
 use crate::start::Phases;
-use anyhow::{Result, anyhow, bail};
+use anyhow::{Result, anyhow, bail, ensure};
 pub(crate) use catalog::Sort;
 use frame_graph::resolve::Files as _;
 use frame_graph::{Overrides, Traits, Value, nearest};
@@ -11,6 +11,8 @@ use std::sync::Arc;
 
 /// The files, and the output format.
 pub(crate) struct Context {
+    /// What starts this program; empty where it does not know.
+    program: Vec<String>,
     pub(crate) catalog: Arc<Catalog>,
     pub(crate) json: bool,
     /// The times of phases since the process started.
@@ -19,10 +21,21 @@ pub(crate) struct Context {
 
 impl Context {
     /// Creates the context with the given folder, or the tree around the working folder, or the built-in files alone.
-    pub(crate) fn new(root: Option<PathBuf>, json: bool, phases: Phases) -> Context {
+    pub(crate) fn new(program: Vec<String>, root: Option<PathBuf>, json: bool, phases: Phases) -> Context {
         let root = root.or_else(|| Assets::find_root(&std::env::current_dir().ok()?));
         let root = root.map(|root| std::path::absolute(&root).unwrap_or(root));
-        Context { catalog: Arc::new(Catalog::new(Assets::new(root))), json, phases }
+        Context { program, catalog: Arc::new(Catalog::new(Assets::new(root))), json, phases }
+    }
+
+    /// Returns what starts another process of this program that has the same files.
+    pub(crate) fn program(&self) -> Result<Vec<String>> {
+        let mut words = self.program.clone();
+        ensure!(!words.is_empty(), "the program that runs does not know where it is");
+        if let Some(root) = self.catalog.assets().root() {
+            let root = root.canonicalize().unwrap_or_else(|_| root.to_owned());
+            words.extend(["--root".to_owned(), root.display().to_string()]);
+        }
+        Ok(words)
     }
 
     /// Returns whether a name means something of this sort.

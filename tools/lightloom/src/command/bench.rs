@@ -78,12 +78,16 @@ enum Figure {
 
 /// The device and the options of a measurement.
 struct Bench<'a> {
-    catalog: &'a Arc<Catalog>,
+    context: &'a Context,
     args: &'a Args,
     gpu: OnceCell<Gpu>,
 }
 
 impl Bench<'_> {
+    fn catalog(&self) -> &Arc<Catalog> {
+        &self.context.catalog
+    }
+
     /// Returns the device, opened for the first figure that needs one.
     fn gpu(&self) -> Result<Gpu> {
         if let Some(gpu) = self.gpu.get() {
@@ -109,7 +113,7 @@ impl Bench<'_> {
 }
 
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
-    let bench = Bench { catalog: &context.catalog, args, gpu: OnceCell::new() };
+    let bench = Bench { context, args, gpu: OnceCell::new() };
     let all: &[Figure] = clap::ValueEnum::value_variants();
     let wanted = all.iter().filter(|figure| args.only.is_empty() || args.only.contains(figure));
     let wanted: Vec<Figure> = wanted.copied().collect();

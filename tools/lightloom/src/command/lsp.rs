@@ -29,7 +29,7 @@ pub(crate) fn run(has_root: bool, context: &Context, args: &Args) -> Result<()> 
     let folder = folders.first().filter(|folder| std::env::set_current_dir(folder).is_ok());
     let of_folder = folder.filter(|_| !has_root).and_then(|folder| Assets::find_root(folder));
     let root = of_folder.or_else(|| context.catalog.assets().root().map(Into::into));
-    let context = Context::new(root, false, context.phases.clone());
+    let context = Context::new(Vec::new(), root, false, context.phases.clone());
     let (catalog, scene) = (Arc::clone(&context.catalog), args.scene.clone());
     let traits = Mutex::new(BTreeMap::new());
     let check: Arc<Check> = Arc::new(move |name, language| match language {

@@ -4,7 +4,7 @@ use super::lists::print;
 use super::study::{GpuLaboratory, Progress};
 use crate::context::{Context, parse_set, parse_size, set_text, unknown};
 use crate::output::{self, stdout, write};
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Result, bail};
 use frame_graph::{LinkContext, Overrides, Value};
 use renderer::{Compiled, compile_options};
 use serde_json::json;
@@ -96,11 +96,8 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
             ..RunOptions::default()
         },
     };
-    let root = context.catalog.assets().root().map(|root| root.display().to_string());
-    let child = Child {
-        path: std::env::current_exe().context("the program that runs does not know where it is")?,
-        before: root.map_or_else(Vec::new, |root| vec!["--root".to_owned(), root]),
-    };
+    let mut words = context.program()?.into_iter();
+    let child = Child { path: words.next().unwrap_or_default().into(), before: words.collect() };
     let mut known = GpuLaboratory::open(Arc::clone(&context.catalog), None)?;
     let mut progress = Progress::new();
     let lab = (&child as &dyn Program, &mut known as &mut dyn Laboratory);

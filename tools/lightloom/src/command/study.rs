@@ -278,7 +278,7 @@ fn apart(
     plan: &Plan,
     seconds: u64,
 ) -> Result<Apart> {
-    let mut command = program(context)?;
+    let mut command = context.program()?;
     command.push("study".to_owned());
     command.extend(words(args, file));
     command.extend(["-o".to_owned(), out.display().to_string()]);
@@ -307,7 +307,7 @@ fn run_workers(
     }
     run_here(context, args, (file, out), plan, Some(Shard::References { places: None }))?;
     let costs = args.costs.as_deref().map(Costs::read).transpose()?.unwrap_or_default();
-    let mut program = program(context)?;
+    let mut program = context.program()?;
     program.push("study".to_owned());
     program.extend(words(args, file));
     workers::run(&program, out, workers, plan, &costs).context(STOPPED)?;
@@ -410,7 +410,7 @@ fn write_snakefile(
     let workflow = snakefile::Workflow {
         name,
         file: &path.display().to_string(),
-        program: &program(context)?,
+        program: &context.program()?,
         study: &words(args, file),
     };
     write(&path, &snakefile::text(plan, &costs, args.shard_minutes, &workflow))?;
@@ -420,17 +420,6 @@ fn write_snakefile(
         stdout!("{}", path.display());
     }
     Ok(())
-}
-
-/// Returns the path of this program, with the arguments by which another process has the same files.
-fn program(context: &Context) -> Result<Vec<String>> {
-    let path = std::env::current_exe().context("the program that runs does not know where it is")?;
-    let mut words = vec![path.display().to_string()];
-    if let Some(root) = context.catalog.assets().root() {
-        let root = root.canonicalize().unwrap_or_else(|_| root.to_owned());
-        words.extend(["--root".to_owned(), root.display().to_string()]);
-    }
-    Ok(words)
 }
 
 /// Prints the summary of a shard. Its failed cells are rows too: they are in the report of the whole, and fail no batch job.

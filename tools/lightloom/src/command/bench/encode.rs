@@ -23,8 +23,8 @@ const SIZE: (u32, u32) = (8, 8);
 
 pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
     let count = bench.size(1000, 50);
-    let scene = renderer::load_scene(bench.catalog, "cornell-box")?;
-    let (device, text) = ((bench.gpu()?, &**bench.catalog), chain(count + BEFORE));
+    let scene = renderer::load_scene(bench.catalog(), "cornell-box")?;
+    let (device, text) = ((bench.gpu()?, &**bench.catalog()), chain(count + BEFORE));
     let pipeline = (text.as_str(), &Overrides::default());
     let mut framework = Running::new(device, pipeline, (&scene, scene.traits()), SIZE)?;
     let measured = measured(&framework.plan).context("the chain begins with a gather")?;

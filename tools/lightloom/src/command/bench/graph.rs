@@ -63,7 +63,7 @@ pub(super) fn compiling(bench: &Bench<'_>) -> Result<Section> {
     let source = Source::new("chain.ron", chain(passes));
     let context = LinkContext {
         frame: (512, 512),
-        traits: renderer::load_scene(bench.catalog, "cornell-box")?.traits(),
+        traits: renderer::load_scene(bench.catalog(), "cornell-box")?.traits(),
     };
     let (mut parsing, mut planning) = (Vec::new(), Vec::new());
     for _ in 0..=bench.args.runs * REPEATS {
@@ -72,7 +72,7 @@ pub(super) fn compiling(bench: &Bench<'_>) -> Result<Section> {
         parsing.push(milliseconds(start));
         let start = Instant::now();
         // Kept beyond the time: what is dropped later costs nothing here.
-        let kept = plan(bench.catalog, &description, &context)?;
+        let kept = plan(bench.catalog(), &description, &context)?;
         planning.push(milliseconds(start));
         drop(kept);
     }
@@ -92,12 +92,12 @@ pub(super) fn compiling(bench: &Bench<'_>) -> Result<Section> {
 
 pub(super) fn memory(bench: &Bench<'_>) -> Result<Section> {
     let frame = (512, 512);
-    let context = LinkContext { frame, traits: renderer::load_scene(bench.catalog, "cornell-box")?.traits() };
-    let files = bench.catalog.pipelines();
+    let context = LinkContext { frame, traits: renderer::load_scene(bench.catalog(), "cornell-box")?.traits() };
+    let files = bench.catalog().pipelines();
     let mut rows = Vec::new();
-    for renderer::Named { name, .. } in bench.catalog.list_pipelines() {
+    for renderer::Named { name, .. } in bench.catalog().list_pipelines() {
         let resolved = resolve(&name, files, &Overrides::default())?;
-        let plan = compile(&link(&resolved, &**bench.catalog, &context)?, &options())?;
+        let plan = compile(&link(&resolved, &**bench.catalog(), &context)?, &options())?;
         let (memory, reachable) = (plan.memory, reachable_bound(&plan));
         let over =
             |bound: u64| Spread::exact(if bound == 0 { 1.0 } else { memory.shared as f64 / bound as f64 });

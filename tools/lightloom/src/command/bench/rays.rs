@@ -37,14 +37,14 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
     let mut rows = Vec::new();
     let mut sizes = Vec::new();
     for name in scenes {
-        let scene = renderer::load_scene(bench.catalog, name)?;
+        let scene = renderer::load_scene(bench.catalog(), name)?;
         let name = label(name);
         sizes.push(format!("{name} {} triangles", scene.triangles()));
         for (way, said) in &ways {
             let mut traits = scene.traits();
             // The pass type `compute` gives options the values of traits of their names.
             traits.values.insert("rays".to_owned(), Value::Text((*way).into()));
-            let device = (gpu.clone(), &**bench.catalog);
+            let device = (gpu.clone(), &**bench.catalog());
             let running = Running::new(device, (PIPELINE, &values), (&scene, traits), (side, side))?;
             rows.extend(RayBench(running).rows(bench.args.runs, said, name)?);
         }

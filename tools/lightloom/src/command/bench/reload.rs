@@ -20,7 +20,7 @@ const CONSTANT: &str = "select(0.0, 1.0,";
 const WARM_UP: u32 = 1;
 
 pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
-    let text = bench.catalog.assets().text(SHADER).with_context(|| format!("there is no {SHADER}"))?;
+    let text = bench.catalog().assets().text(SHADER).with_context(|| format!("there is no {SHADER}"))?;
     let root = tempfile::tempdir()?;
     let path = root.path().join(SHADER);
     std::fs::create_dir_all(path.parent().unwrap_or(root.path()))?;

@@ -76,8 +76,8 @@ fn frames(bench: &Bench<'_>) -> Result<Vec<(String, Renderer)>> {
     let frames =
         [("ism", (side, side), lights, map), ("ism", wide, few, large), ("ism-classic", wide, few, large)];
     let frames = frames.into_iter().map(|(pipeline, size, lights, map)| {
-        let loaded = renderer::load_scene(bench.catalog, scene(bench))?;
-        let mut timed = Renderer::new(bench.timing_gpu()?, Arc::clone(bench.catalog), loaded, size)?;
+        let loaded = renderer::load_scene(bench.catalog(), scene(bench))?;
+        let mut timed = Renderer::new(bench.timing_gpu()?, Arc::clone(bench.catalog()), loaded, size)?;
         let values = [("lights", lights), ("map", map)];
         let values = values.map(|(name, value)| (name.to_owned(), Value::U32(value)));
         timed.set_pipeline(pipeline, &Overrides(values.into()))?;

@@ -39,11 +39,9 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
 
 /// Returns the seconds that a process takes whose driver keeps what it compiles in the folder `cache`.
 fn process(bench: &Bench<'_>, folder: &Path, cache: &Path) -> Result<f64> {
-    let program = std::env::current_exe().context("this program cannot be found")?;
-    let mut command = Command::new(program);
-    if let Some(root) = bench.catalog.assets().root() {
-        command.arg("--root").arg(root);
-    }
+    let program = bench.context.program()?;
+    let mut command = Command::new(&program[0]);
+    command.args(&program[1..]);
     command.args(["render", "ism-invtm", "cornell-box", "--size", "64x64", "-o"]);
     command.arg(folder.join("picture.png")).env("MESA_SHADER_CACHE_DIR", cache).stdout(Stdio::null());
     let start = Instant::now();

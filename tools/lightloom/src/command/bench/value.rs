@@ -22,9 +22,9 @@ const SETTINGS: [(&str, [Value; 2], &str, bool); 3] = [
 ];
 
 pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
-    let scene = renderer::load_scene(bench.catalog, "cornell-box")?;
+    let scene = renderer::load_scene(bench.catalog(), "cornell-box")?;
     let side = bench.size(256, 32);
-    let mut renderer = Renderer::new(bench.gpu()?, Arc::clone(bench.catalog), scene, (side, side))?;
+    let mut renderer = Renderer::new(bench.gpu()?, Arc::clone(bench.catalog()), scene, (side, side))?;
     renderer.set_pipeline(PIPELINE, &Overrides(vec![("lights".to_owned(), Value::U32(64))]))?;
     renderer.frame()?;
     renderer.gpu().wait()?;

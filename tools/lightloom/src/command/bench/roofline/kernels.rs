@@ -46,7 +46,7 @@ pub(super) struct Kernels {
 
 impl Kernels {
     pub(super) fn new(bench: &Bench<'_>, gpu: &Gpu) -> Result<Kernels> {
-        let shader = bench.catalog.shaders().load(&Request::new(SHADER))?;
+        let shader = bench.catalog().shaders().load(&Request::new(SHADER))?;
         let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some(SHADER),
             source: wgpu::ShaderSource::Naga(Cow::Owned(shader.module.clone())),
