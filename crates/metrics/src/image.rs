@@ -85,6 +85,11 @@ impl Image {
         &mut self.pixels
     }
 
+    /// Returns the `[height * width]` RGBA pixels, without a copy.
+    pub fn into_pixels(self) -> Vec<[f32; 4]> {
+        self.pixels
+    }
+
     /// Checks that the image has the size of `other`.
     ///
     /// # Errors

@@ -118,6 +118,16 @@ impl BufferLayout {
         BufferLayout { ty, header: header.columns, columns: columns.columns, start, stride, count }
     }
 
+    /// Returns the bytes before the first row.
+    pub fn start(&self) -> usize {
+        self.start
+    }
+
+    /// Returns the bytes from one row to the next; 0 where there are no rows.
+    pub fn stride(&self) -> usize {
+        self.stride
+    }
+
     /// Returns the bytes of a buffer as a table. They may be fewer or more than whole rows.
     pub fn table<'a>(&'a self, bytes: &'a [u8]) -> Table<'a> {
         Table { layout: self, bytes }
@@ -167,6 +177,23 @@ impl<'a> Table<'a> {
 }
 
 impl Column {
+    /// Returns how its numbers are held: their type as NumPy names it, `<f4`, `<u4` or `<i4`, and how many each dimension
+    /// repeats, outermost first; none for one number. A column of a matrix of three rows has four, as it has in the buffer.
+    pub fn held(&self) -> (&'static str, Vec<usize>) {
+        let scalar = match self.shape.scalar {
+            Scalar::F32 => "<f4",
+            Scalar::U32 => "<u4",
+            Scalar::I32 => "<i4",
+        };
+        let dimensions = &self.shape.dimensions;
+        // What one of a dimension takes beyond the numbers in it is padding.
+        let held = dimensions.iter().enumerate().map(|(i, (count, stride))| match i.checked_sub(1) {
+            Some(outer) => dimensions[outer].1 / stride,
+            None => *count,
+        });
+        (scalar, held.collect())
+    }
+
     /// The value in these bytes, which begin with the row or the header.
     fn cell(&self, bytes: &[u8]) -> Cell {
         let mut numbers = Vec::new();

@@ -8,10 +8,10 @@ mod trace;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
+pub use output::{errors, text};
 use std::ffi::OsString;
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use trace::Trace;
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::SubscriberExt as _;
@@ -123,7 +123,7 @@ fn record(phases: Option<start::Phases>, trace: Option<&Path>) -> Result<Option<
 /// their own start them by it.
 ///
 /// Returns the exit code: 0 done, 1 failed. Where the arguments are wrong or ask for help, the process ends with 2 or 0.
-pub fn run(program: Vec<String>, arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+pub fn run(program: Vec<String>, arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let phases = start::Phases::begin();
     let cli = Cli::parse_from(arguments);
     let json = cli.json;
@@ -132,7 +132,7 @@ pub fn run(program: Vec<String>, arguments: impl IntoIterator<Item = OsString>) 
         Ok(trace) => trace,
         Err(error) => {
             output::failure(&error, json);
-            return ExitCode::FAILURE;
+            return 1;
         }
     };
     let has_root = cli.root.is_some();
@@ -169,10 +169,10 @@ pub fn run(program: Vec<String>, arguments: impl IntoIterator<Item = OsString>) 
         Command::Adapters(_) => command::lists::adapters(&context),
     };
     let traced = trace.map_or(Ok(()), Trace::finish);
-    let mut code = ExitCode::SUCCESS;
+    let mut code = 0;
     for error in [done, traced].into_iter().filter_map(Result::err) {
         output::failure(&error, json);
-        code = ExitCode::FAILURE;
+        code = 1;
     }
     code
 }

@@ -31,5 +31,5 @@ fn main() -> ExitCode {
     #[cfg(unix)]
     survive_large_files();
     let program = std::env::current_exe().map(|path| vec![path.display().to_string()]);
-    command_line::run(program.unwrap_or_default(), std::env::args_os())
+    ExitCode::from(command_line::run(program.unwrap_or_default(), std::env::args_os()))
 }

@@ -56,31 +56,35 @@ pub(crate) fn warn(of: &Diagnostics, as_json: bool) {
     }
 }
 
-/// Prints an error with its causes, each once; as JSON, `{ "errors": [ … ] }` on standard error.
+/// Prints an error with its causes, each once; as JSON, `{ "errors": [ … ], "text": … }` on standard error.
 pub(crate) fn failure(error: &anyhow::Error, as_json: bool) {
     if as_json {
-        stderr!("{:#}", json!({ "errors": errors(error) }));
+        stderr!("{:#}", json!({ "errors": errors(error), "text": text(error) }));
         return;
     }
-    let text = error.to_string();
+    stderr!("{}", text(error));
+}
+
+/// Returns an error with its causes, each once, as a terminal shows it.
+pub fn text(error: &anyhow::Error) -> String {
+    let mut said = error.to_string();
     // Diagnostics begin with their own word.
-    if text.starts_with("error") {
-        stderr!("{}", text.trim_end());
-    } else {
-        stderr!("error: {text}");
-    }
-    let mut said = text;
+    let mut lines = match said.starts_with("error") {
+        true => said.trim_end().to_owned(),
+        false => format!("error: {said}"),
+    };
     for cause in error.chain().skip(1) {
         let cause = cause.to_string();
         if !said.contains(&cause) {
-            stderr!("  because: {cause}");
+            lines += &format!("\n  because: {cause}");
         }
         said = cause;
     }
+    lines
 }
 
 /// Returns an error as a list for programs: errors in files have a code and places, others a message and its causes.
-pub(crate) fn errors(error: &anyhow::Error) -> Value {
+pub fn errors(error: &anyhow::Error) -> Value {
     if let Some(diagnostics) = error.chain().find_map(diagnostics) {
         return diagnostics.to_json();
     }

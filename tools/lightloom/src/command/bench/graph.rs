@@ -92,7 +92,8 @@ pub(super) fn compiling(bench: &Bench<'_>) -> Result<Section> {
 
 pub(super) fn memory(bench: &Bench<'_>) -> Result<Section> {
     let frame = (512, 512);
-    let context = LinkContext { frame, traits: renderer::load_scene(bench.catalog(), "cornell-box")?.traits() };
+    let context =
+        LinkContext { frame, traits: renderer::load_scene(bench.catalog(), "cornell-box")?.traits() };
     let files = bench.catalog().pipelines();
     let mut rows = Vec::new();
     for renderer::Named { name, .. } in bench.catalog().list_pipelines() {
