@@ -217,7 +217,7 @@ fn a_program_that_writes_sequences_is_a_row() {
 
 /// Returns a Python with Mitsuba, in a virtual environment in the folder for build outputs; `None`, said on stderr, where that
 /// cannot be made.
-fn python_with_mitsuba() -> Option<std::path::PathBuf> {
+pub(crate) fn python_with_mitsuba() -> Option<std::path::PathBuf> {
     let folder = root().join("target/mitsuba");
     let python = folder.join("bin/python");
     let succeeds = |command: &mut Command| {

@@ -124,7 +124,7 @@ fn check_console(folder: &Path, text: &str, page: &str, wrong: &mut Vec<String>)
 
 #[test]
 fn files_commands_and_listings_of_the_first_guides_are_right() {
-    assert_pages_are_right(&["docs/first-pipeline.md", "docs/first-pass.md"], 15);
+    assert_pages_are_right(&["docs/first-pipeline.md", "docs/first-pass.md", "docs/scenes.md"], 19);
 }
 
 /// The commands in the README are those of `--help`, with that of the window.

@@ -26,6 +26,8 @@ mod judge;
 mod lamps;
 mod linking;
 mod lsp;
+#[cfg(unix)]
+mod offline;
 mod pairs;
 mod partition;
 mod pictures;

@@ -239,8 +239,8 @@ fn a_file_that_is_there_and_cannot_be_read_is_not_said_to_be_missing() {
         (&["check", "latin.ron"], "`latin.ron` cannot be read: it is not UTF-8 (line 2)"),
         (&["check", "base.ron"], "`latin.ron` cannot be read: it is not UTF-8 (line 2)"),
         (&["study", "latin.ron", "-o", "x"], "`latin.ron` cannot be read: it is not UTF-8 (line 2)"),
-        (&["check", "mesh.obj"], "such files end in .ron, .glb or .gltf"),
-        (&["render", "ism", "mesh.obj", "-o", "x.png"], "a scene is a .ron, .glb or .gltf file"),
+        (&["check", "mesh.obj"], "such files end in .ron, .glb, .gltf, .pbrt or .xml"),
+        (&["render", "ism", "mesh.obj", "-o", "x.png"], "a scene is a .ron, .glb, .gltf, .pbrt or .xml file"),
     ];
     for (arguments, words) in cases {
         let done = run_in(&mine, arguments).failure(1, &[words]);

@@ -471,7 +471,7 @@ impl Position<'_> {
                     self.cursor.frame(1).is_some_and(|around| around.name == Some("Environment"));
                 let fits = |name: &String| match of_environment {
                     true => scene::Environment::may_be(Path::new(name)),
-                    false => name.ends_with(".glb") || name.ends_with(".gltf"),
+                    false => scene::is_geometry(name),
                 };
                 offers(names.filter(fits), CompletionItemKind::FILE)
             }

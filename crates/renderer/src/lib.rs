@@ -48,7 +48,7 @@ use scene_upload::{Frame, SceneView};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-/// Loads a scene by the name of a built-in one, or from a `.ron`, `.glb` or `.gltf` file.
+/// Loads a scene by the name of a built-in one, or from a `.ron`, `.glb`, `.gltf`, `.pbrt` or `.xml` file.
 ///
 /// # Errors
 /// Everything that is wrong with the file, and where; the nearest name where there is none.

@@ -121,6 +121,9 @@ impl Assembly {
         self.cameras.extend(cameras.map(|camera| NodeCamera { node: first_node + camera.node, ..camera }));
         let lights = model.lights.iter().filter(|_| with_lights).cloned();
         self.lights.extend(lights.map(|light| NodeLight { node: first_node + light.node, ..light }));
+        if with_lights && self.environment.is_none() {
+            self.environment.clone_from(&model.environment);
+        }
         self.repairs.extend(model.repairs.iter().cloned());
         self.may_be_empty |= model.may_be_empty;
         Ok(())
@@ -212,10 +215,10 @@ impl Assembly {
                 Camera::framing(min, max)
             }
         };
-        if scene.camera.near <= 0.0 {
-            let extent = scene.extent();
-            scene.camera.near = if extent > 0.0 { extent * 1e-4 } else { 1e-3 };
-        }
+        let extent = scene.extent();
+        let near = if extent > 0.0 { extent * 1e-4 } else { 1e-3 };
+        let cameras = scene.cameras.iter_mut().map(|(_, camera)| camera).chain([&mut scene.camera]);
+        cameras.filter(|camera| camera.near <= 0.0).for_each(|camera| camera.near = near);
         // Animated values at 0 s come from their tracks.
         let start = scene.at(0.0);
         (scene.camera, scene.lights) = (start.camera, start.lights);

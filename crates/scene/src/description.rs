@@ -10,7 +10,7 @@ use crate::light::Light;
 use crate::model::Transform;
 
 pub use grammar::expected;
-pub(crate) use grammar::parse;
+pub(crate) use grammar::{files_in, parse};
 
 /// A scene file whose values are valid by themselves. Its places are relative to an origin: those of the camera, of
 /// lights, and of objects that are not within another.

@@ -10,7 +10,7 @@
 mod accessor;
 mod deform;
 mod materials;
-mod meshes;
+pub(crate) mod meshes;
 mod nodes;
 
 use std::borrow::Cow;

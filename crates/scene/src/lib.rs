@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! scenes/*.ron ─describe─▶ Description ┐
-//! *.glb, *.gltf ─import─▶ Model        ├─assemble─▶ Scene ─at(time)─▶ Pose
+//! *.glb, *.gltf ─import─▶ Model        │
+//! *.pbrt, *.xml ─offline─▶ Model       ├─assemble─▶ Scene ─at(time)─▶ Pose
 //! made by code ─────────▶ Model        ┘              └─traits─▶ data_file::Traits
 //! Scene + Pose ─to_glb─▶ *.glb, for other renderers
 //! scenes/*.ron + SceneEdit ─save─▶ scenes/*.ron, with the rest of its text as it was
@@ -37,6 +38,7 @@ mod light;
 mod load;
 mod material;
 mod model;
+mod offline;
 mod origin;
 mod pick;
 mod scene;
@@ -52,7 +54,7 @@ pub use environment::Environment;
 pub use error::SceneError;
 pub use files::SceneFiles;
 pub use light::{BRIGHTEST, Light, LightKind};
-pub use load::{about, load};
+pub use load::{GEOMETRY_ENDINGS, about, is_geometry, load};
 pub use material::{Encoding, Material, Texture, Wrap};
 pub use pick::Hit;
 pub use scene::{Changes, Emitter, Instance, MovedVertices, Pose, Scene, Vertex};

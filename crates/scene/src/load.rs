@@ -23,11 +23,30 @@ use crate::error::SceneError;
 use crate::files::SceneFiles;
 use crate::import::{Imported, import};
 use crate::model::{Node, NodeAnimation, Transform};
+use crate::offline::{self, Format};
 use crate::origin::settle;
 use crate::scene::{Driver, Scene};
 
-/// Loads a scene: by a name among `files` (`cornell-box`), or by the path of a `.ron`, `.glb` or `.gltf`
-/// file, which may also be among `files`.
+/// The endings of files of geometry, with materials, cameras and lights: glTF, pbrt-v4, and Mitsuba 3.
+pub const GEOMETRY_ENDINGS: [&str; 4] = [".glb", ".gltf", ".pbrt", ".xml"];
+
+/// Returns whether a file is one of geometry, by its ending.
+pub fn is_geometry(file: &str) -> bool {
+    let file = file.to_ascii_lowercase();
+    GEOMETRY_ENDINGS.iter().any(|ending| file.ends_with(ending))
+}
+
+/// Imports a file of geometry.
+fn import_any(path: &Path, roots: &[PathBuf], budget: &Budget) -> Result<Imported, SceneError> {
+    match path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase).as_deref() {
+        Some("pbrt") => offline::import(path, Format::Pbrt, roots, budget),
+        Some("xml") => offline::import(path, Format::Mitsuba, roots, budget),
+        _ => import(path, roots, budget),
+    }
+}
+
+/// Loads a scene: by a name among `files` (`cornell-box`), or by the path of a `.ron` file, which may also be among
+/// `files`, or of a file of geometry (see [`GEOMETRY_ENDINGS`]).
 ///
 /// # Errors
 /// See [`SceneError`]. Errors that could be repaired are listed in [`Scene::repairs`].
@@ -39,9 +58,9 @@ fn load_within(budget: &Rc<Budget>, spec: &str, files: &dyn SceneFiles) -> Resul
     let (path, roots) = (Path::new(spec), roots(files));
     let name = path.file_stem().map_or(spec.into(), |stem| stem.to_string_lossy().into_owned());
     let mut assembly = Assembly::new(name, spec, budget);
-    let flattened = match path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
-        Some("glb" | "gltf") => {
-            let Imported { model, files } = import(path, &roots, budget)?;
+    let flattened = match is_geometry(spec) {
+        true => {
+            let Imported { model, files } = import_any(path, &roots, budget)?;
             assembly.files = [vec![path.into()], files].concat();
             assembly.place(&model, None, true)?;
             settle(|origin| {
@@ -50,7 +69,7 @@ fn load_within(budget: &Rc<Budget>, spec: &str, files: &dyn SceneFiles) -> Resul
                 assembly.flatten(stage)
             })
         }
-        _ => {
+        false => {
             let (source, folder, on_disk) = find(spec, files)?;
             budget.text(source.text.len());
             let description = parse(&source, Some((&folder, &roots)), DVec3::ZERO)?;
@@ -114,7 +133,8 @@ fn find(spec: &str, files: &dyn SceneFiles) -> Result<(Arc<Source>, PathBuf, Opt
         return Ok((source, files.folder(), on_disk));
     }
     if path.is_file() {
-        let error = io::Error::new(io::ErrorKind::InvalidInput, "a scene is a .ron, .glb or .gltf file");
+        let error =
+            io::Error::new(io::ErrorKind::InvalidInput, "a scene is a .ron, .glb, .gltf, .pbrt or .xml file");
         return Err(SceneError::Unreadable { path: path.into(), error });
     }
     let list = files.list();
@@ -169,7 +189,7 @@ impl Loader<'_> {
                     Entry::Occupied(known) => known.into_mut(),
                     Entry::Vacant(new) => {
                         let roots = [self.roots, &[self.folder.to_owned()]].concat();
-                        let Imported { model, mut files } = import(&path, &roots, &assembly.budget)?;
+                        let Imported { model, mut files } = import_any(&path, &roots, &assembly.budget)?;
                         files.insert(0, path);
                         new.insert(Imported { model, files })
                     }

@@ -3,6 +3,8 @@
 use glam::{Vec3, Vec4};
 use serde::Serialize;
 
+use crate::light::BRIGHTEST;
+
 /// The material of a surface. Each texture is multiplied by the factor beside it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Material {
@@ -80,6 +82,21 @@ impl Material {
 
     fn textures(&self) -> [Option<u32>; 4] {
         [self.base_color_texture, self.emission_texture, self.metallic_roughness_texture, self.normal_texture]
+    }
+
+    /// Returns the material with its numbers within their ranges; those that are not finite become the neutral one.
+    pub(crate) fn clamped(&self) -> Material {
+        let unit = |x: f32| if x.is_finite() { x.clamp(0.0, 1.0) } else { 1.0 };
+        let light = |x: f32| if x.is_finite() { x.clamp(0.0, BRIGHTEST) } else { 0.0 };
+        Material {
+            base_color: Vec4::from_array(self.base_color.to_array().map(unit)),
+            emission: self.emission.to_array().map(light).into(),
+            specular: self.specular.to_array().map(unit).into(),
+            metallic: unit(self.metallic),
+            roughness: unit(self.roughness),
+            normal_scale: if self.normal_scale.is_finite() { self.normal_scale } else { 1.0 },
+            ..self.clone()
+        }
     }
 
     /// Adds `offset` to the texture indices, for a material that is appended after `offset` textures of other

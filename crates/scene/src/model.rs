@@ -5,6 +5,7 @@ use glam::{Affine3A, Quat, Vec2, Vec3};
 use serde::Serialize;
 
 use crate::animation::Track;
+use crate::environment::Environment;
 use crate::hash::Hash;
 use crate::light::LightKind;
 use crate::material::{Material, Texture};
@@ -21,6 +22,7 @@ pub(crate) struct Model {
     pub(crate) skins: Vec<Skin>,
     pub(crate) cameras: Vec<NodeCamera>,
     pub(crate) lights: Vec<NodeLight>,
+    pub(crate) environment: Option<Environment>,
     /// Repairs and omissions.
     pub(crate) repairs: Vec<String>,
     /// Whether a model without triangles is valid.

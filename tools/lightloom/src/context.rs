@@ -49,10 +49,7 @@ impl Context {
             (_, Some(None)) => true,
             (Sort::Pipeline, None) => self.catalog.pipelines().read(name).is_some(),
             (Sort::Study, None) => assets.has(&format!("studies/{stem}.ron")),
-            (Sort::Scene, None) => {
-                [".glb", ".gltf"].iter().any(|ending| name.ends_with(ending))
-                    || assets.has(&format!("scenes/{stem}.ron"))
-            }
+            (Sort::Scene, None) => scene::is_geometry(name) || assets.has(&format!("scenes/{stem}.ron")),
         }
     }
 

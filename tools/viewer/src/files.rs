@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 pub(crate) enum Kind {
     /// A pipeline.
     Pipeline,
-    /// A scene: a scene file, or glTF.
+    /// A scene: a scene file, or one of glTF, pbrt or Mitsuba.
     Scene,
 }
 
@@ -33,7 +33,7 @@ pub(crate) fn kind_of(path: &Path) -> Option<Kind> {
         return None;
     }
     match ending {
-        "glb" | "gltf" => Some(Kind::Scene),
+        _ if is_geometry(path) => Some(Kind::Scene),
         "ron" => {
             let mut head = Vec::new();
             std::fs::File::open(path).ok()?.take(HEAD).read_to_end(&mut head).ok()?;
@@ -45,6 +45,11 @@ pub(crate) fn kind_of(path: &Path) -> Option<Kind> {
         }
         _ => None,
     }
+}
+
+/// Returns whether a file is one of geometry, with materials and lights.
+fn is_geometry(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| scene::is_geometry(&name.to_string_lossy()))
 }
 
 /// Returns the first word of a RON file behind comments and attributes.
@@ -79,9 +84,8 @@ pub(crate) fn entries(folder: &Path) -> Vec<Entry> {
     let mut paths: Vec<PathBuf> = found.filter(|path| !hidden(path)).collect();
     paths.sort();
     let (folders, files): (Vec<PathBuf>, Vec<PathBuf>) = paths.into_iter().partition(|path| path.is_dir());
-    let may_fit = |path: &PathBuf| {
-        path.extension().is_some_and(|ending| ["ron", "glb", "gltf"].iter().any(|known| ending == *known))
-    };
+    let may_fit =
+        |path: &PathBuf| path.extension().is_some_and(|ending| ending == "ron") || is_geometry(path);
     let files = files.into_iter().filter(may_fit).take(MOST);
     let files = files.filter_map(|path| kind_of(&path).map(|kind| Entry::File(path, kind)));
     folders.into_iter().map(Entry::Folder).chain(files).collect()

@@ -118,7 +118,7 @@ fn typed(text: &str) -> Vec<Item> {
     if kind == Some(Kind::Pipeline) || (kind.is_none() && text.ends_with(".ron")) {
         all.extend(of_pipeline(text));
     }
-    let of_scene = [".ron", ".glb", ".gltf"].iter().any(|ending| text.ends_with(ending));
+    let of_scene = text.ends_with(".ron") || scene::is_geometry(text);
     if kind == Some(Kind::Scene) || (kind.is_none() && of_scene) {
         all.push(of_scene_file(text));
     }

@@ -18,6 +18,7 @@ use super::{
 use crate::built_in;
 use crate::camera::Camera;
 use crate::light::{BRIGHTEST, Light, LightKind};
+use crate::load::GEOMETRY_ENDINGS;
 use crate::model::Transform;
 use crate::origin::local;
 
@@ -221,7 +222,7 @@ impl Checks<'_, '_> {
                 Geometry::BuiltIn(name)
             }
             GeometryFile::File(file) => {
-                self.file_is_there(&file, ("glTF files there", &[".glb", ".gltf"]));
+                self.file_is_there(&file, ("files of geometry there", &GEOMETRY_ENDINGS));
                 Geometry::File(file)
             }
             GeometryFile::Objects(objects) => {
@@ -500,7 +501,7 @@ impl Checks<'_, '_> {
 }
 
 /// Returns the files of `folder`/`inner` with these endings, as a scene file in `folder` names them.
-fn files_in(folder: &Path, inner: &Path, endings: &[&str]) -> Vec<String> {
+pub(crate) fn files_in(folder: &Path, inner: &Path, endings: &[&str]) -> Vec<String> {
     let entries = std::fs::read_dir(folder.join(inner)).into_iter().flatten().flatten();
     let names = entries.map(|entry| inner.join(entry.file_name()).to_string_lossy().into_owned());
     let mut names: Vec<String> =

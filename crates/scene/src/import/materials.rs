@@ -12,7 +12,6 @@ use rayon::prelude::*;
 
 use super::{Importer, named};
 use crate::error::SceneError;
-use crate::light::BRIGHTEST;
 use crate::material::{Encoding, Material, Texture, Wrap};
 
 /// A texture of the document, with the encoding in which a material uses it.
@@ -112,19 +111,7 @@ impl Importer<'_> {
 
     /// Clamps numbers to the ranges of glTF, and reports that as a repair.
     fn clamped(&mut self, material: Material) -> Material {
-        let unit = |x: f32| if x.is_finite() { x.clamp(0.0, 1.0) } else { 1.0 };
-        let [r, g, b, a] = material.base_color.to_array().map(unit);
-        let emission =
-            material.emission.to_array().map(|x| if x.is_finite() { x.clamp(0.0, BRIGHTEST) } else { 0.0 });
-        let clamped = Material {
-            base_color: Vec4::new(r, g, b, a),
-            emission: emission.into(),
-            specular: material.specular.to_array().map(unit).into(),
-            metallic: unit(material.metallic),
-            roughness: unit(material.roughness),
-            normal_scale: if material.normal_scale.is_finite() { material.normal_scale } else { 1.0 },
-            ..material.clone()
-        };
+        let clamped = material.clamped();
         if clamped != material {
             self.repairs
                 .push(format!("material `{}` has factors out of range: they are clamped", material.name));

@@ -127,7 +127,7 @@ impl Importer<'_> {
         let fixed = normals.into_iter().enumerate().map(|(i, normal)| {
             normal.try_normalize().unwrap_or_else(|| {
                 bad += 1;
-                smooth.get_or_insert_with(|| smooth_normals(&primitive))[i]
+                smooth.get_or_insert_with(|| smooth_normals(&primitive.positions, &primitive.indices))[i]
             })
         });
         let normals = fixed.collect();
@@ -158,7 +158,7 @@ fn face_normal(positions: &[Vec3], triangle: &[u32]) -> Vec3 {
 }
 
 /// Returns a primitive in which each triangle has its own vertices and its own normal.
-fn flat(primitive: &Primitive) -> Primitive {
+pub(crate) fn flat(primitive: &Primitive) -> Primitive {
     let normals = primitive.indices.chunks_exact(3).flat_map(|triangle| {
         [face_normal(&primitive.positions, triangle).try_normalize().unwrap_or(Vec3::Y); 3]
     });
@@ -186,10 +186,10 @@ fn flat(primitive: &Primitive) -> Primitive {
 }
 
 /// Returns the mean normal, weighted by area, of the triangles at each vertex; +y if they have none.
-fn smooth_normals(primitive: &Primitive) -> Vec<Vec3> {
-    let mut sums = vec![Vec3::ZERO; primitive.positions.len()];
-    for triangle in primitive.indices.chunks_exact(3) {
-        let normal = face_normal(&primitive.positions, triangle);
+pub(crate) fn smooth_normals(positions: &[Vec3], indices: &[u32]) -> Vec<Vec3> {
+    let mut sums = vec![Vec3::ZERO; positions.len()];
+    for triangle in indices.chunks_exact(3) {
+        let normal = face_normal(positions, triangle);
         if normal.is_finite() {
             triangle.iter().for_each(|i| sums[*i as usize] += normal);
         }

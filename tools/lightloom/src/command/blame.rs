@@ -31,7 +31,7 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Args {
     /// A pipeline by name, or a .ron file
     pipeline: String,
-    /// A scene by name, or a .ron, .glb or .gltf file
+    /// A scene by name, or a .ron, .glb, .gltf, .pbrt or .xml file
     scene: String,
     /// The folder for the page and its record
     #[arg(short, long = "out", value_name = "DIR", default_value = "out/blame")]

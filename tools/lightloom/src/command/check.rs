@@ -246,13 +246,15 @@ fn not_there(name: &str, known: [&Vec<String>; 3]) -> anyhow::Error {
     }
     let stem = name.strip_suffix(".ron").unwrap_or(name);
     if Path::new(name).is_file() {
-        return anyhow!("`{name}` is no pipeline, scene or study: such files end in .ron, .glb or .gltf");
+        return anyhow!(
+            "`{name}` is no pipeline, scene or study: such files end in .ron, .glb, .gltf, .pbrt or .xml"
+        );
     }
     match nearest_of_few(stem, known.into_iter().flatten().map(String::as_str)) {
         Some(near) => anyhow!("there is no pipeline, scene or study `{name}`; did you mean `{near}`?"),
         None => anyhow!(
             "there is no pipeline, scene or study `{name}`; `lightloom pipelines` and `lightloom scenes` list them, and \
-             files end in .ron, .glb or .gltf"
+             files end in .ron, .glb, .gltf, .pbrt or .xml"
         ),
     }
 }

@@ -29,7 +29,7 @@ use std::time::Instant;
 pub(crate) struct Args {
     /// A pipeline by name, or a .ron file
     pipeline: String,
-    /// A scene by name, or a .ron, .glb or .gltf file
+    /// A scene by name, or a .ron, .glb, .gltf, .pbrt or .xml file
     scene: String,
     /// The picture: .exr or .pfm (linear), .png (tone-mapped). In a sequence, #### is the frame's number
     #[arg(short, long = "out", value_name = "FILE", value_parser = parse_picture)]

@@ -30,7 +30,7 @@ use tune::{Axis, Candidate, Options, Outcome, Target, front, full, search};
 pub(crate) struct Args {
     /// A pipeline by name, or a .ron file
     pipeline: String,
-    /// Scenes by name, or .ron, .glb or .gltf files: the error is the mean over them, and so is the time
+    /// Scenes by name, or .ron, .glb, .gltf, .pbrt or .xml files: the error is the mean over them, and so is the time
     #[arg(required = true)]
     scenes: Vec<String>,
     /// The GPU time that a frame may take, in milliseconds

@@ -19,7 +19,7 @@ F1 shows the keys. Files of the pipeline, its shaders and the scene are read aga
 pub(crate) struct Args {
     /// A pipeline by name, or a .ron file [default: that of the last time]
     pipeline: Option<String>,
-    /// A scene by name, or a .ron, .glb or .gltf file [default: that of the last time]
+    /// A scene by name, or a .ron, .glb, .gltf, .pbrt or .xml file [default: that of the last time]
     scene: Option<String>,
     #[command(flatten)]
     values: Values,
@@ -45,10 +45,10 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     }
     if let Some(scene) = &args.scene {
         let files = catalog::SceneAssets(context.catalog.assets().clone());
-        let of_gltf = scene.ends_with(".glb") || scene.ends_with(".gltf");
+        let is_geometry = scene::is_geometry(scene);
         match scene::about(scene, &files) {
-            Err(error @ SceneError::NotFound { .. }) if !of_gltf => return Err(error.into()),
-            _ if of_gltf && !Path::new(scene).exists() => bail!("there is no file {scene}"),
+            Err(error @ SceneError::NotFound { .. }) if !is_geometry => return Err(error.into()),
+            _ if is_geometry && !Path::new(scene).exists() => bail!("there is no file {scene}"),
             _ => {}
         }
     }

@@ -40,7 +40,7 @@ impl Saving {
         let edit = app.scene_panel.edit(app);
         let path = match &view.file {
             Some(file) => file.display().to_string(),
-            // A scene that is built in, or a bare glTF file, gets a file of its own.
+            // A scene that is built in, or a bare file of geometry, gets a file of its own.
             None => free(|number| format!("{}-edited{number}.ron", view.scene.name)),
         };
         Some(Saving { what: What::Scene(edit), path, about: String::new(), error: None, opened: false })
@@ -97,7 +97,7 @@ fn free(name: impl Fn(String) -> String) -> String {
     (2..).map(|n| name(format!("-{n}"))).find(|name| !Path::new(name).exists()).unwrap_or(first)
 }
 
-/// The text of the scene's file, on disk or built in; `None` for a bare glTF file.
+/// The text of the scene's file, on disk or built in; `None` for a bare file of geometry.
 fn text_of(app: &App, view: &SceneView) -> Option<Arc<Source>> {
     let spec = &view.scene.spec;
     let text = match &view.file {
