@@ -280,6 +280,36 @@ fn a_new_variant_is_right_as_it_is_written() {
     assert!(!folder.at("other.ron").exists());
 }
 
+/// What a package installs beside the program, from the program itself.
+#[test]
+fn completions_a_manual_and_a_long_version_are_printed() {
+    let folder = Folder::new(&[]);
+    let script = run_in(&folder, &["completions", "bash"]).success().says(&["--tonemap", "complete -F"]);
+    let mut bash = std::process::Command::new("bash");
+    let is_taken = bash.args(["-n", "-c", &script.out]).status().is_ok_and(|status| status.success());
+    assert!(is_taken, "bash refuses the script");
+    for (shell, word) in [("zsh", "#compdef lightloom"), ("fish", "complete -c lightloom")] {
+        run_in(&folder, &["completions", shell]).success().says(&[word]);
+    }
+    run_in(&folder, &["completions", "csh"]).failure(2, &["possible values: bash"]);
+    let pages = run_in(&folder, &["--json", "man", "-o", "man"]).success().json();
+    assert!(pages["pages"].as_array().unwrap().len() > 25);
+    for (page, word) in
+        [("lightloom", "SUBCOMMANDS"), ("lightloom-render", "tonemap"), ("lightloom-study-merge", "root")]
+    {
+        let text = folder.read(&format!("man/{page}.1"));
+        assert!(text.contains(".TH") && text.contains(word), "{page}: {text}");
+    }
+    let version = run_in(&folder, &["--version"]).success();
+    version.says(&[
+        &format!("lightloom {}", env!("CARGO_PKG_VERSION")),
+        "commit: ",
+        "features: ",
+        "adapters: ",
+    ]);
+    assert_eq!(run_in(&folder, &["-V"]).success().out.lines().count(), 1);
+}
+
 /// On a terminal alone, work that takes long shows that it goes on.
 #[test]
 #[cfg(unix)]

@@ -4,6 +4,7 @@ pub(crate) mod bench;
 pub(crate) mod blame;
 pub(crate) mod check;
 pub(crate) mod compare;
+pub(crate) mod completions;
 pub(crate) mod diff;
 pub(crate) mod fmt;
 pub(crate) mod graph;

@@ -5,9 +5,10 @@ mod context;
 mod output;
 mod start;
 mod trace;
+mod version;
 
 use anyhow::Result;
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 pub use output::{errors, text};
 use std::ffi::OsString;
 use std::io::IsTerminal as _;
@@ -89,11 +90,25 @@ enum Command {
     Measures(command::lists::Args),
     /// List the graphics adapters; fails if there is none
     Adapters(command::lists::Args),
+    /// Print a script by which a shell completes commands and options
+    Completions(command::completions::Args),
+    /// Write the manual, a page for each command
+    Man(command::completions::ManArgs),
 }
 
 fn folder(text: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     if path.is_dir() { Ok(path) } else { Err("there is no such folder".to_owned()) }
+}
+
+/// Parses the arguments. Where they are wrong or ask for help or the version, it prints and ends the process.
+fn parse(arguments: Vec<OsString>) -> Cli {
+    let mut command = Cli::command();
+    // To ask for the adapters starts the drivers, so it is done only to print them.
+    if arguments.iter().any(|argument| argument == "--version") {
+        command = command.long_version(version::long());
+    }
+    Cli::from_arg_matches(&command.get_matches_from(arguments)).unwrap_or_else(|error| error.exit())
 }
 
 /// What is logged where `LIGHTLOOM_LOG` says nothing. That there is no driver is reported by the commands that need one.
@@ -125,7 +140,7 @@ fn record(phases: Option<start::Phases>, trace: Option<&Path>) -> Result<Option<
 /// Returns the exit code: 0 done, 1 failed. Where the arguments are wrong or ask for help, the process ends with 2 or 0.
 pub fn run(program: Vec<String>, arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let phases = start::Phases::begin();
-    let cli = Cli::parse_from(arguments);
+    let cli = parse(arguments.into_iter().collect());
     let json = cli.json;
     let timed = matches!(&cli.command, Command::Render(args) if args.time);
     let trace = match record(timed.then(|| phases.clone()), cli.trace.as_deref()) {
@@ -167,6 +182,8 @@ pub fn run(program: Vec<String>, arguments: impl IntoIterator<Item = OsString>) 
             Ok(())
         }
         Command::Adapters(_) => command::lists::adapters(&context),
+        Command::Completions(args) => command::completions::run(args, Cli::command()),
+        Command::Man(args) => command::completions::man(&context, args, Cli::command()),
     };
     let traced = trace.map_or(Ok(()), Trace::finish);
     let mut code = 0;

@@ -9,6 +9,7 @@ pub mod mutate_shaders;
 pub mod new_pass;
 pub mod optional;
 pub mod packages;
+pub mod release;
 pub mod test;
 pub mod tidy;
 pub mod tree;

@@ -5,7 +5,7 @@ use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 use xtask::mutate_shaders::Options;
 use xtask::packages::Consent;
-use xtask::{bless, demo, docs, mutate_shaders, new_pass, test, tidy, tree};
+use xtask::{bless, demo, docs, mutate_shaders, new_pass, release, test, tidy, tree};
 
 /// Chores of the tree.
 #[derive(Parser)]
@@ -34,6 +34,11 @@ enum Command {
         #[arg(short, long)]
         yes: bool,
     },
+    /// Build the Python package as a wheel, and print where it is
+    Wheel,
+    /// Build what a release has: the program with its manual and completions, its symbols, the wheel, a list of all
+    /// packages in it, and checksums
+    Release,
     /// Make a pass that compiles and is tested: a folder under passes/, and its line in the catalog
     NewPass {
         /// Its name in RON and of its folder, in kebab-case
@@ -85,6 +90,8 @@ fn run(command: Command) -> Result<()> {
     match command {
         Command::Demo { yes } => demo::run(&root, Consent::new(yes)),
         Command::Test { all, yes } => test::run(&root, Consent::new(yes), all),
+        Command::Wheel => release::wheel(&root).map(|_| ()),
+        Command::Release => release::run(&root),
         Command::NewPass { name } => new_pass::run(&root, &name),
         Command::Tidy => tidy::run(&root),
         Command::Docs => docs::run(&root),
