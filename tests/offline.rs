@@ -86,7 +86,8 @@ fn path_traced(scene: &Path) -> Option<Blocks> {
     Some(Blocks::of(&(0..SEEDS).map(picture).collect::<Option<Vec<_>>>()?))
 }
 
-/// With eight seeds the mean of 72 quotients has a mean of 7/5, and exceeds 2 once in thousands of times.
+/// Pictures with independent noise would have a mean of 7/5 with eight seeds, and exceed 2 once in thousands of times. The same
+/// scene in two formats is sampled by the same random numbers, so its pictures are much nearer.
 const MOST: f64 = 2.0;
 
 #[test]
@@ -153,7 +154,7 @@ fn mitsuba_renders_its_scenes_as_path_tracing_does() {
     let (_, end) = rest.split_once("</bsdf>").unwrap();
     folder.write("matte.xml", &format!("{start}<ref id=\"blue\"/>{end}"));
     // Shares of a block's mean by which the two may differ, beside noise.
-    for (file, share) in [("matte.xml", 0.01), ("room.xml", 0.05)] {
+    for (file, share) in [("matte.xml", 0.01), ("room.xml", 0.02)] {
         let scene = folder.at(file);
         let of_mitsuba = folder.at("mitsuba-");
         let status =
@@ -162,7 +163,7 @@ fn mitsuba_renders_its_scenes_as_path_tracing_does() {
         let pictures = (0..8).map(|seed| Image::read(folder.at(&format!("mitsuba-{seed}.exr"))).unwrap());
         let expected = Blocks::of(&pictures.collect::<Vec<_>>());
         let found = path_traced(&scene).unwrap();
-        for share in [0.0, 0.005, 0.01, 0.02, 0.05] {
+        for share in [0.0, share] {
             let [mean, most] = found.quotients(&expected, share);
             eprintln!("{file}, beyond {share}: quotients of {mean:.2}, at most {most:.1}");
         }

@@ -231,6 +231,26 @@ fn area_lights_of_pbrt_emit_on_one_side_unless_they_say_else() {
 }
 
 #[test]
+fn the_back_of_a_light_is_parallel_to_it_under_any_transform() {
+    let scene = pbrt(&format!("AreaLightSource \"diffuse\"\nScale 4 1 1\nRotate 45 0 1 0\n{QUAD}"));
+    let [front, back] = &scene.instances[..] else { panic!("{:?}", scene.instances) };
+    let of = |instance: &scene::Instance| {
+        let first = instance.first_vertex as usize;
+        let vertices = &scene.vertices[first..first + instance.vertex_count as usize];
+        vertices.iter().map(|vertex| Vec3::from(vertex.position)).collect::<Vec<_>>()
+    };
+    let front = of(front);
+    let normal = (front[1] - front[0]).cross(front[2] - front[0]).normalize();
+    let low = front.iter().copied().reduce(Vec3::min).unwrap();
+    let high = front.iter().copied().reduce(Vec3::max).unwrap();
+    let expected = 1e-3 * (high - low).length();
+    for at in of(back) {
+        let distance = (at - front[0]).dot(normal).abs();
+        assert!((distance / expected - 1.0).abs() < 1e-3, "{at}: {distance}, not {expected}");
+    }
+}
+
+#[test]
 fn a_lamp_that_is_closed_needs_no_back() {
     let scene = pbrt("AreaLightSource \"diffuse\"\nShape \"sphere\" \"float radius\" 2");
     assert_eq!(scene.instances.len(), 1);
