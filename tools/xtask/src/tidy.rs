@@ -30,6 +30,7 @@ pub static CHECKS: &[Check] = &[
     ),
     check("names", "a package is named after its folder", manifests::names),
     check("lints", "every package has `[lints] workspace = true`", manifests::lints),
+    check("tested", "a library says where it has no tests or no examples of its own", manifests::tested),
     check("no-gpu", "what must work without a GPU reaches no wgpu", manifests::no_gpu),
     check("alone", "no pass depends on another pass", manifests::alone),
     check("readme", "a pass has a README", passes::readme),

@@ -178,6 +178,12 @@ impl Manifest {
         lints() == Some(true)
     }
 
+    /// Returns what its library says about its `test` or its `doctest`: whether there are any, which is so where it says nothing.
+    pub fn of_library(&self, key: &str) -> bool {
+        let said = || self.document.get("lib")?.get(key)?.as_bool();
+        said() != Some(false)
+    }
+
     /// Returns all dependencies: those of the package, or for the workspace's manifest those that packages inherit.
     pub fn dependencies(&self) -> Vec<Dependency<'_>> {
         let root: &dyn TableLike = self.document.as_table();

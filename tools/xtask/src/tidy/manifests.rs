@@ -1,7 +1,7 @@
 //! Rules on packages.
 
 use super::Finding;
-use crate::tree::{Manifest, Tree};
+use crate::tree::{File, Manifest, Tree};
 use std::collections::BTreeSet;
 
 const CATALOG: &str = "crates/catalog/Cargo.toml";
@@ -58,6 +58,43 @@ pub(super) fn lints(tree: &Tree) -> Vec<Finding> {
         .filter(|(_, manifest)| !manifest.inherits_lints())
         .map(|(_, manifest)| Finding::new(&manifest.path, 1, "add: [lints] workspace = true"))
         .collect()
+}
+
+/// A test binary is linked, and documentation scanned, for each library that does not say that it has none: a tenth of a second to
+/// some seconds for nothing, a hundred times.
+pub(super) fn tested(tree: &Tree) -> Vec<Finding> {
+    let mut found = Vec::new();
+    for (_, manifest) in packages(tree) {
+        let (sources, program) =
+            (format!("{}/src", manifest.folder()), format!("{}/src/main.rs", manifest.folder()));
+        if tree.file(&format!("{sources}/lib.rs")).is_none() {
+            continue;
+        }
+        let code: Vec<&File> =
+            tree.below(&sources).filter(|file| file.is("rs") && file.path != program).collect();
+        let has_tests =
+            code.iter().any(|file| ["#[test]", "proptest!"].iter().any(|word| file.text.contains(word)));
+        let has_examples = code.iter().any(|file| has_example(file));
+        for (key, has) in [("test", has_tests), ("doctest", has_examples)] {
+            if manifest.of_library(key) != has {
+                let wanted = if has { "has some: remove" } else { "has none: add" };
+                let message = format!("the library {wanted} `{key} = false` in [lib]");
+                found.push(Finding::new(&manifest.path, 1, message));
+            }
+        }
+    }
+    found
+}
+
+/// Whether the documentation of a file has an example that compiles: a fenced block in Rust, or in no stated language.
+fn has_example(file: &File) -> bool {
+    let docs = file.lines().filter_map(|(_, line)| {
+        let line = line.trim_start();
+        line.strip_prefix("//! ").or_else(|| line.strip_prefix("/// "))
+    });
+    // Every second fence ends a block.
+    let mut opening = docs.filter_map(|line| line.strip_prefix("```")).step_by(2);
+    opening.any(|language| ["", "rust", "no_run", "should_panic", "compile_fail"].contains(&language))
 }
 
 pub(super) fn no_gpu(tree: &Tree) -> Vec<Finding> {

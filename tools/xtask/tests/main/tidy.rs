@@ -17,7 +17,10 @@ const TIDY: &[(&str, &str)] = &[
             "[dependencies]\ngather = { path = \"../../passes/gather\" }\npass.workspace = true\n",
         ),
     ),
-    ("crates/pass/Cargo.toml", "[package]\nname = \"pass\"\n[lints]\nworkspace = true\n"),
+    (
+        "crates/pass/Cargo.toml",
+        "[package]\nname = \"pass\"\n[lints]\nworkspace = true\n[lib]\ntest = false\ndoctest = false\n",
+    ),
     (
         "crates/executor/Cargo.toml",
         concat!(
@@ -30,6 +33,7 @@ const TIDY: &[(&str, &str)] = &[
         concat!(
             "[package]\nname = \"gather\"\n[lints]\nworkspace = true\n",
             "[dependencies]\npass.workspace = true\n[dev-dependencies]\nexecutor.workspace = true\n",
+            "[lib]\ntest = false\ndoctest = false\n",
         ),
     ),
     (
@@ -57,7 +61,8 @@ fn found(changes: &[(&str, &str)]) -> Vec<String> {
 }
 
 fn package(name: &str, rest: &str) -> String {
-    format!("[package]\nname = \"{name}\"\n[lints]\nworkspace = true\n{rest}")
+    let lib = "[lib]\ntest = false\ndoctest = false\n";
+    format!("[package]\nname = \"{name}\"\n[lints]\nworkspace = true\n{rest}{lib}")
 }
 
 #[test]
@@ -109,6 +114,16 @@ fn every_rule_fires() {
             "names",
             &[("crates/pass/Cargo.toml", &misnamed)],
             &["names crates/pass/Cargo.toml:1: package `passes` lies in the folder `pass`"],
+        ),
+        (
+            "tested",
+            &[("crates/pass/src/lib.rs", "//! ```\n//! f();\n//! ```\n\n//! ```text\n//! ```\n")],
+            &["tested crates/pass/Cargo.toml:1: the library has some: remove `doctest = false` in [lib]"],
+        ),
+        (
+            "tested",
+            &[("crates/executor/src/lib.rs", "//! Runs.\n//!\n//! ```text\n//! ```\n#[test]\nfn f() {}\n")],
+            &["tested crates/executor/Cargo.toml:1: the library has none: add `doctest = false` in [lib]"],
         ),
         (
             "lints",
