@@ -16,6 +16,7 @@ mod spectrum;
 mod spot;
 mod surface;
 mod triangles;
+mod view;
 
 use std::path::{Path, PathBuf};
 use std::rc::Rc;

@@ -9,6 +9,7 @@ use crate::codes;
 use crate::error::SceneError;
 use crate::offline::report::{Report, error, located, shortened};
 use crate::offline::spectrum::Spectrum;
+use crate::offline::view::look_at;
 
 /// The use of a spectrum.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -282,23 +283,10 @@ impl Element {
                 };
                 let origin = point("origin")?.ok_or_else(|| missing("origin"))?;
                 let target = point("target")?.ok_or_else(|| missing("target"))?;
-                let forward = (target - origin).try_normalize();
-                let up = point("up")?.or_else(|| forward.map(DVec3::any_orthonormal_vector));
-                let left = forward
-                    .zip(up)
-                    .and_then(|(forward, up)| up.normalize_or_zero().cross(forward).try_normalize());
-                match (forward, left) {
-                    (Some(forward), Some(left)) => Ok(DMat4::from_cols(
-                        left.extend(0.0),
-                        forward.cross(left).extend(0.0),
-                        forward.extend(0.0),
-                        origin.extend(1.0),
-                    )),
-                    _ => {
-                        let message = "it looks at its own position, or along its `up`";
-                        Err(error(&codes::CONFLICT, &self.span, message, "this view"))
-                    }
-                }
+                look_at(origin, target, point("up")?).ok_or_else(|| {
+                    let message = "it looks at its own position, or along its `up`";
+                    error(&codes::CONFLICT, &self.span, message, "this view")
+                })
             }
             tag => {
                 let message = format!("there is no step `<{}>` of transforms", shortened(tag));
