@@ -1,6 +1,7 @@
-//! Tests of the whole program: the command line as a user types it, reload under a running loop, and pictures.
-//!
-//! Without a graphics adapter, tests that need one print that and do nothing.
+// Tests of the whole program: the command line as a user types it, reload under a running loop, and pictures.
+// tools/lightloom/tests/whole-program.rs includes this file.
+//
+// Without a graphics adapter, tests that need one print that and do nothing.
 
 mod accumulated;
 mod adapter;

@@ -5,17 +5,14 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Folders whose files are embedded, with the extension wanted.
-const EMBEDDED: &[(&str, &str)] = &[
-    ("shaders", "wgsl"),
-    ("crates/interfaces", "wgsl"),
-    ("passes", "wgsl"),
-    ("pipelines", "ron"),
-    ("scenes", "ron"),
-    ("studies", "ron"),
-];
+const EMBEDDED: &[(&str, &str)] =
+    &[("shaders", "wgsl"), ("pipelines", "ron"), ("scenes", "ron"), ("studies", "ron")];
 
 fn main() {
-    let manifest = std::fs::read_to_string("Cargo.toml").expect("this crate's manifest");
+    // The manifest of a packed crate is written anew, without paths; the one that was written by hand lies beside it.
+    let manifest =
+        ["Cargo.toml.orig", "Cargo.toml"].into_iter().find_map(|file| std::fs::read_to_string(file).ok());
+    let manifest = manifest.expect("this crate's manifest");
     let mut out = String::from(
         "/// Every pass type, in the order of the documentation.\npub static PASSES: &[&dyn pass::Pass] = &[\n",
     );
@@ -27,15 +24,12 @@ fn main() {
         let _ = writeln!(out, "    {}::PASS,", name.replace('-', "_"));
     }
     out.push_str("];\n\n/// Path from the root of the tree, and text.\npub(crate) static EMBEDDED: &[(&str, &str)] = &[\n");
-    let root = Path::new("../..").canonicalize().expect("the root of the tree");
+    // A packed crate has a copy of these folders, to which links in `tree` lead.
+    let is_tree = EMBEDDED.iter().all(|(folder, _)| Path::new("../..").join(folder).is_dir());
+    let root =
+        Path::new(if is_tree { "../.." } else { "tree" }).canonicalize().expect("the root of the tree");
     for (folder, extension) in EMBEDDED {
-        // Not all files of a pass: an edit of a test would rebuild the whole program. A new shader is named by Rust or by
-        // another shader, which changes with it.
-        if *folder == "passes" {
-            sources(&root.join(folder));
-        } else {
-            println!("cargo::rerun-if-changed=../../{folder}");
-        }
+        println!("cargo::rerun-if-changed={}", root.join(folder).display());
         let mut files = Vec::new();
         walk(&root.join(folder), extension, &mut files);
         files.sort();
@@ -52,19 +46,11 @@ fn main() {
     std::fs::write(target, out).expect("the build folder can be written");
 }
 
-/// Watches the Rust of each pass.
-fn sources(passes: &Path) {
-    let Ok(entries) = std::fs::read_dir(passes) else { return };
-    for source in entries.flatten().map(|entry| entry.path().join("src")).filter(|source| source.is_dir()) {
-        println!("cargo::rerun-if-changed={}", source.display());
-    }
-}
-
-/// All files below a folder with that extension; those of tests apart.
+/// All files below a folder with that extension.
 fn walk(folder: &Path, extension: &str, files: &mut Vec<PathBuf>) {
     let Ok(entries) = std::fs::read_dir(folder) else { return };
     for path in entries.flatten().map(|entry| entry.path()) {
-        if path.is_dir() && !path.ends_with("tests") {
+        if path.is_dir() {
             walk(&path, extension, files);
         } else if path.extension().is_some_and(|found| found == extension) {
             files.push(path);

@@ -33,7 +33,10 @@ pub mod virtual_lights;
 pub mod visibility;
 
 use bytemuck::Pod;
-use pass::{Interface, Library, Pass};
+use pass::{Files, Interface, Library, Pass};
+
+/// The WGSL of the interfaces.
+pub static FILES: Files = pass::files!();
 
 /// All interfaces of the tree, in the order of the documentation.
 pub static INTERFACES: &[Interface] = &[

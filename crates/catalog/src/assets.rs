@@ -2,7 +2,9 @@
 
 use data_file::read_text;
 use frame_graph::Source;
-use frame_graph::resolve::Files;
+use frame_graph::resolve;
+use pass::Files;
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -13,7 +15,7 @@ use std::sync::{Arc, PoisonError, RwLock};
 #[derive(Clone, Debug)]
 pub struct Assets {
     root: Option<PathBuf>,
-    embedded: BTreeMap<&'static str, &'static str>,
+    embedded: BTreeMap<Cow<'static, str>, &'static str>,
     open: Arc<RwLock<BTreeMap<PathBuf, Arc<str>>>>,
     read: Arc<AtomicU64>,
 }
@@ -22,8 +24,10 @@ impl Assets {
     /// Creates assets with a folder on disk, whose files take precedence over the embedded ones; `None` for embedded
     /// files alone.
     pub fn new(root: Option<PathBuf>) -> Assets {
-        let embedded = crate::EMBEDDED.iter().copied().collect();
-        Assets { root, embedded, open: Arc::default(), read: Arc::default() }
+        let mut assets =
+            Assets { root, embedded: BTreeMap::new(), open: Arc::default(), read: Arc::default() };
+        assets.embed("", crate::EMBEDDED);
+        assets
     }
 
     /// Lays a text over the file at a path, which need not be there: what an editor has and has not saved. `None` takes it
@@ -60,11 +64,19 @@ impl Assets {
         self.read.load(Ordering::Relaxed)
     }
 
-    /// Adds embedded files, as path from the root of the tree and text: for a crate outside the tree that adds passes.
-    /// They take precedence over files of the tree with the same path.
+    /// Adds embedded files, as path from the root of the tree and text: for a crate outside the tree that adds interfaces or
+    /// pipelines. They take precedence over files of the tree with the same path.
     pub fn with_files(mut self, files: impl IntoIterator<Item = (&'static str, &'static str)>) -> Assets {
-        self.embedded.extend(files);
+        self.embedded.extend(files.into_iter().map(|(path, text)| (path.into(), text)));
         self
+    }
+
+    /// Adds embedded files of a folder where there are none of the same paths.
+    pub(crate) fn embed(&mut self, folder: &str, files: Files) {
+        for (path, text) in files {
+            let path = if folder.is_empty() { (*path).into() } else { format!("{folder}/{path}").into() };
+            self.embedded.entry(path).or_insert(text);
+        }
     }
 
     /// Returns the folder on disk.
@@ -82,7 +94,7 @@ impl Assets {
         start.ancestors().find(|folder| is_root(folder)).map(Path::to_path_buf)
     }
 
-    /// Returns the folder on disk as the only one, for [`Files::roots`].
+    /// Returns the folder on disk as the only one, for [`resolve::Files::roots`].
     fn roots(&self) -> Vec<PathBuf> {
         self.root.iter().cloned().collect()
     }
@@ -119,7 +131,7 @@ impl Assets {
         let prefix = format!("{folder}/");
         let wanted = |path: &str| path.starts_with(&prefix) && path.ends_with(&format!(".{extension}"));
         let mut found: BTreeSet<String> =
-            self.embedded.keys().filter(|path| wanted(path)).map(|path| (*path).to_owned()).collect();
+            self.embedded.keys().filter(|path| wanted(path)).map(|path| path.to_string()).collect();
         if let Some(root) = &self.root {
             let mut open = vec![root.join(folder)];
             while let Some(entry) = open.pop() {
@@ -162,7 +174,7 @@ fn is_below_root(path: &str) -> bool {
 #[derive(Clone, Debug)]
 pub struct PipelineFiles(pub Assets);
 
-impl Files for PipelineFiles {
+impl resolve::Files for PipelineFiles {
     fn read(&self, path: &str) -> Option<Arc<Source>> {
         let named = if path.ends_with(".ron") { path.to_owned() } else { format!("{path}.ron") };
         [format!("pipelines/{named}"), named].into_iter().find_map(|name| {
@@ -192,7 +204,7 @@ impl Files for PipelineFiles {
 #[derive(Clone, Debug)]
 pub struct ShaderAssets(pub Assets);
 
-impl Files for ShaderAssets {
+impl resolve::Files for ShaderAssets {
     fn read(&self, path: &str) -> Option<Arc<Source>> {
         let text = self.0.text(path).filter(|_| path.ends_with(".wgsl"))?;
         Some(Arc::new(Source { name: path.to_owned(), text }))
@@ -217,7 +229,7 @@ impl Files for ShaderAssets {
 #[derive(Clone, Debug)]
 pub struct SceneAssets(pub Assets);
 
-impl Files for SceneAssets {
+impl resolve::Files for SceneAssets {
     fn read(&self, path: &str) -> Option<Arc<Source>> {
         let name = format!("scenes/{path}");
         let text = self.0.text(&name)?;

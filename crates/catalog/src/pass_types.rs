@@ -51,7 +51,7 @@ impl Catalog {
     }
 
     fn build(
-        assets: Assets,
+        mut assets: Assets,
         passes: Vec<&'static dyn Pass>,
         thread_order: Option<u32>,
     ) -> Result<Catalog, NameTaken> {
@@ -60,6 +60,10 @@ impl Catalog {
             return Err(NameTaken::PassType { name });
         }
         let interfaces = interfaces::with_those_of(passes.iter().copied())?;
+        assets.embed("crates/interfaces", interfaces::FILES);
+        for pass in &passes {
+            assets.embed(&pass.folder(), pass.files());
+        }
         let library = Library::new(Arc::new(ShaderAssets(assets.clone())));
         let library = interfaces::import_from(library, &interfaces);
         let shaders = Arc::new(match thread_order {

@@ -93,3 +93,30 @@ fn traits_of_scenes_are_known_to_passes() {
     known.sort();
     assert_eq!(scene.traits().values.into_keys().collect::<Vec<_>>(), known);
 }
+
+/// In a folder that is no tree, the program has the files that it has in one; those of tests apart.
+#[test]
+fn the_program_carries_the_files_of_the_tree() {
+    let catalogs = [Assets::new(None), assets()].map(Catalog::new);
+    let folders = [
+        ("shaders", "wgsl"),
+        ("crates/interfaces", "wgsl"),
+        ("passes", "wgsl"),
+        ("pipelines", "ron"),
+        ("scenes", "ron"),
+        ("studies", "ron"),
+    ];
+    for (folder, extension) in folders {
+        let [carried, in_tree] = [0, 1].map(|i| {
+            let mut files = catalogs[i].assets().list(folder, extension);
+            files.retain(|file| !file.contains("/tests/"));
+            files
+        });
+        assert!(!carried.is_empty());
+        assert_eq!(carried, in_tree);
+        for file in carried {
+            let [carried, in_tree] = [0, 1].map(|i| catalogs[i].assets().text(&file));
+            assert!(carried == in_tree, "{file}");
+        }
+    }
+}

@@ -41,6 +41,11 @@ use shader_library::TypeLayout;
 pub use shader_library::{Define, Library, Request};
 pub use split::{most_items, split_count};
 use std::ops::Deref;
+use std::path::Path;
+pub use wgsl_structs::files;
+
+/// WGSL files: paths, and texts.
+pub type Files = &'static [(&'static str, &'static str)];
 
 /// The documentation of a pass type.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -72,6 +77,12 @@ pub trait Pass: Send + Sync {
     /// Returns the folder of its WGSL, from the root of the tree.
     fn folder(&self) -> String {
         format!("passes/{}", self.kind())
+    }
+
+    /// Returns the WGSL that the program carries with it, as paths in the folder with their texts: [`files!`]. What lies in the
+    /// folder on disk takes precedence.
+    fn files(&self) -> Files {
+        &[]
     }
 
     /// Returns the shader that declares a use: `KIND.wgsl` of the folder.
@@ -129,7 +140,7 @@ pub trait Pass: Send + Sync {
     }
 }
 
-/// Declares the pass type of a crate that its WGSL declares: `PASS`, named as the crate. Functions of the names `outputs` and
+/// Declares the pass type of a crate that its WGSL declares: `PASS`, named as the package without `lightloom-`. Functions of the names `outputs` and
 /// `record`, which it may list, say in Rust what WGSL cannot: see [`FromWgsl`].
 #[macro_export]
 macro_rules! from_wgsl {
@@ -137,6 +148,7 @@ macro_rules! from_wgsl {
         /// The pass type, as its WGSL declares it.
         pub const PASS: &dyn $crate::Pass = &$crate::FromWgsl {
             $($function,)*
+            files: $crate::files!(),
             ..$crate::FromWgsl::new(env!("CARGO_PKG_NAME"), file!())
         };
     };
@@ -145,10 +157,13 @@ macro_rules! from_wgsl {
 /// A pass type that its WGSL declares: see [`from_wgsl`].
 #[derive(Clone, Copy, Debug)]
 pub struct FromWgsl {
-    /// The name in RON.
-    pub kind: &'static str,
-    /// The folder of its WGSL, or the Rust file of the pass in it: `FOLDER/src/lib.rs`.
+    /// The name in RON; `lightloom-` before it is left out.
+    pub package: &'static str,
+    /// The folder of its WGSL, or the Rust file of the pass in it: `FOLDER/src/lib.rs`. Where that is no path in a tree, as in a
+    /// package from a registry, the folder is `passes/KIND`.
     pub file: &'static str,
+    /// The WGSL that the program carries with it.
+    pub files: Files,
     /// Describes the outputs, and scratch: those of the WGSL, or more.
     pub outputs: fn(&Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError>,
     /// Returns the steps.
@@ -157,19 +172,26 @@ pub struct FromWgsl {
 
 impl FromWgsl {
     /// Creates a pass type of which the WGSL says everything.
-    pub const fn new(kind: &'static str, file: &'static str) -> FromWgsl {
-        FromWgsl { kind, file, outputs: |cx| cx.declared(), record: reflected::record }
+    pub const fn new(package: &'static str, file: &'static str) -> FromWgsl {
+        FromWgsl { package, file, files: &[], outputs: |cx| cx.declared(), record: reflected::record }
     }
 }
 
 impl Pass for FromWgsl {
     fn kind(&self) -> &'static str {
-        self.kind
+        self.package.strip_prefix("lightloom-").unwrap_or(self.package)
     }
 
     fn folder(&self) -> String {
         let file = self.file.replace('\\', "/");
+        if Path::new(self.file).is_absolute() || file == "src/lib.rs" {
+            return format!("passes/{}", self.kind());
+        }
         file.trim_end_matches("/src/lib.rs").to_owned()
+    }
+
+    fn files(&self) -> Files {
+        self.files
     }
 
     fn outputs(

@@ -1,4 +1,4 @@
-//! Rust structs in the layout of the structs of WGSL files, generated from these files.
+//! WGSL files in Rust: structs in the layout of theirs, generated from these files, and their texts.
 
 mod generate;
 mod wgsl;
@@ -6,7 +6,7 @@ mod wgsl;
 use generate::Item;
 use proc_macro::{Delimiter, Group, Ident, Literal, Punct, Spacing, Span, TokenStream, TokenTree};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Declares structs and constants of WGSL files in Rust:
 ///
@@ -23,7 +23,7 @@ use std::path::Path;
 /// }
 /// ```
 ///
-/// Paths are relative to the folder of the package. The structs are `repr(C)` and plain old data, with the members and
+/// Paths are relative to the folder of the package; a packed one has its own copy of what lies in `../../`. The structs are `repr(C)` and plain old data, with the members and
 /// documentation of the WGSL; vectors and matrices are arrays. A struct that ends with an array sized at run time becomes
 /// a struct of the members before it. A member's type is a scalar, a vector, a matrix, an array or a struct that is
 /// listed before. Constants are literals. `use` checks the layout of a struct that Rust declares. The function returns the layouts of all structs, as
@@ -53,7 +53,7 @@ fn expand(input: TokenStream) -> Result<TokenStream, (Span, String)> {
     while let Some(token) = tokens.next_if(|token| matches!(token, TokenTree::Literal(_))) {
         let span = token.span();
         let file = token.to_string().trim_matches('"').to_owned();
-        let path = Path::new(&package).join(&file);
+        let path = in_package(Path::new(&package), &file);
         let source = std::fs::read_to_string(&path).map_err(|error| (span, format!("{file}: {error}")))?;
         code += &generate::dependency(&path);
         let Some(TokenTree::Group(group)) = tokens.next() else {
@@ -89,6 +89,44 @@ fn expand(input: TokenStream) -> Result<TokenStream, (Span, String)> {
         }
     }
     code.parse().map_err(|error| (Span::call_site(), format!("{error}: {code}")))
+}
+
+/// Returns the place of a file of the tree: in the tree, or in a package that was packed from it.
+fn in_package(package: &Path, file: &str) -> PathBuf {
+    let in_tree = package.join(file);
+    let packed = file.strip_prefix("../../").map(|file| package.join(file));
+    packed.filter(|packed| packed.exists() && !in_tree.exists()).unwrap_or(in_tree)
+}
+
+/// Returns the WGSL files of the package, those of its tests apart, by path: `&'static [(&'static str, &'static str)]`, the paths from the
+/// folder of the package with their texts. Takes nothing.
+#[proc_macro]
+pub fn files(_: TokenStream) -> TokenStream {
+    let package = PathBuf::from(std::env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
+    let mut files = Vec::new();
+    files_below(&package, &mut files);
+    files.sort();
+    let rows = files.iter().filter_map(|file| {
+        let path = file.strip_prefix(&package).ok()?.to_string_lossy().replace('\\', "/");
+        Some(format!("({path:?}, ::core::include_str!({file:?})),"))
+    });
+    format!("&[{}]", rows.collect::<String>()).parse().unwrap_or_default()
+}
+
+/// Collects the WGSL files below a folder that belong to its package and are no test's.
+fn files_below(folder: &Path, files: &mut Vec<PathBuf>) {
+    let Ok(entries) = std::fs::read_dir(folder) else { return };
+    for path in entries.flatten().map(|entry| entry.path()) {
+        if path.is_dir() {
+            let is_other =
+                path.ends_with("tests") || path.ends_with("target") || path.join("Cargo.toml").exists();
+            if !is_other {
+                files_below(&path, files);
+            }
+        } else if path.extension().is_some_and(|extension| extension == "wgsl") {
+            files.push(path);
+        }
+    }
 }
 
 /// Returns the declarations in a list such as `pub struct A; const B as C;`, with their places.

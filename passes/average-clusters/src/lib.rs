@@ -28,6 +28,10 @@ impl Pass for AverageClusters {
         "average-clusters"
     }
 
+    fn files(&self) -> pass::Files {
+        pass::files!()
+    }
+
     fn outputs(
         &self,
         use_cx: &UseContext<'_>,

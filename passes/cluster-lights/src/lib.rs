@@ -13,6 +13,10 @@ impl Pass for ClusterLights {
         "cluster-lights"
     }
 
+    fn files(&self) -> pass::Files {
+        pass::files!()
+    }
+
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let lights = cx.fact("lights", virtual_lights::COUNT)?;
         let shader = cx.file("cluster-lights.wgsl");

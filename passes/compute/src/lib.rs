@@ -8,6 +8,7 @@ use shader_library::Stage;
 pub const PASS: &dyn Pass = &ShaderPass {
     kind: "compute",
     about: "Runs compute shaders, in WGSL alone: `shader:` names the file, whose entry points run in order.",
+    files: &[],
     stage: Stage::Compute,
     request: |path| pass::request(path, &[]),
     example: "Pass(kind: \"compute\", shader: \"my-pass.wgsl\", …)",

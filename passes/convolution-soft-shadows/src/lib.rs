@@ -84,6 +84,10 @@ impl Pass for ConvolutionSoftShadows {
         "convolution-soft-shadows"
     }
 
+    fn files(&self) -> pass::Files {
+        pass::files!()
+    }
+
     fn outputs(
         &self,
         use_cx: &UseContext<'_>,

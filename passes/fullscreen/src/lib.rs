@@ -12,6 +12,7 @@ const EFFECT: &str = "passes/fullscreen/effect.wgsl";
 pub const PASS: &dyn Pass = &ShaderPass {
     kind: "fullscreen",
     about: "Runs fragment shaders over the frame, in WGSL alone: `shader:` names the file.",
+    files: pass::files!(),
     stage: Stage::Fragment,
     request: |path| {
         let mut request = pass::request(EFFECT, &[]);

@@ -32,6 +32,10 @@ impl Pass for MapClusters {
         "map-clusters"
     }
 
+    fn files(&self) -> pass::Files {
+        pass::files!()
+    }
+
     fn outputs(
         &self,
         use_cx: &UseContext<'_>,

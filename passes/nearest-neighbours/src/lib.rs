@@ -68,6 +68,10 @@ impl Pass for NearestNeighbours {
         "nearest-neighbours"
     }
 
+    fn files(&self) -> pass::Files {
+        pass::files!()
+    }
+
     fn outputs(
         &self,
         use_cx: &UseContext<'_>,

@@ -26,6 +26,10 @@ impl Pass for ParaboloidShadowMaps {
         "paraboloid-shadow-maps"
     }
 
+    fn files(&self) -> pass::Files {
+        pass::files!()
+    }
+
     fn outputs(
         &self,
         use_cx: &UseContext<'_>,

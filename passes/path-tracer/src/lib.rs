@@ -19,6 +19,10 @@ impl Pass for PathTracer {
         "path-tracer"
     }
 
+    fn files(&self) -> pass::Files {
+        pass::files!()
+    }
+
     fn outputs(
         &self,
         use_cx: &UseContext<'_>,

@@ -73,6 +73,10 @@ impl Pass for PullPush {
         "pull-push"
     }
 
+    fn files(&self) -> pass::Files {
+        pass::files!()
+    }
+
     fn outputs(
         &self,
         use_cx: &UseContext<'_>,

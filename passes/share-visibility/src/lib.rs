@@ -15,6 +15,10 @@ impl Pass for ShareVisibility {
         "share-visibility"
     }
 
+    fn files(&self) -> pass::Files {
+        pass::files!()
+    }
+
     fn outputs(
         &self,
         use_cx: &UseContext<'_>,

@@ -35,6 +35,10 @@ impl Pass for Splat {
         "splat"
     }
 
+    fn files(&self) -> pass::Files {
+        pass::files!()
+    }
+
     fn outputs(
         &self,
         use_cx: &UseContext<'_>,

@@ -1,4 +1,7 @@
 //! The command line of Lightloom: the program `lightloom`, and what the Python package runs.
+//!
+//! An application that renders needs none of this: it depends on [`renderer`], which takes a scene and a pipeline and gives frames. A
+//! crate with passes of its own depends on [`pass`].
 
 mod command;
 mod context;

@@ -9,14 +9,16 @@ use std::process::Command;
 /// Runs the tests of a package so that they rewrite their snapshots (insta) and images (those that heed
 /// `LIGHTLOOM_BLESS`), and prints what has changed since the last commit.
 pub fn run(root: &Path, package: &str, filter: Option<&str>) -> Result<()> {
+    let tree = Tree::read(root)?;
+    let manifest = tree.package(package);
+    // Where there is no such package, cargo prints the nearest name.
+    let package = manifest.and_then(Manifest::name).unwrap_or(package);
     let mut tests = cargo(root, "test");
     tests.args(["--locked", "--no-fail-fast", "--package", package]).args(filter);
     tests.env("LIGHTLOOM_BLESS", "1").env("INSTA_UPDATE", "always");
     let result = run_command(&mut tests);
 
-    // Where there is no such package, cargo has printed the nearest name.
-    let tree = Tree::read(root)?;
-    if let Some(folder) = tree.package(package).map(Manifest::folder) {
+    if let Some(folder) = manifest.map(Manifest::folder) {
         println!("\nChanged under {folder} since the last commit, sources apart:");
         let only = [folder, ":!*.rs", ":!*.wgsl", ":!*.toml", ":!*.md"];
         let git = |args: &[&str]| {

@@ -7,6 +7,10 @@ use anyhow::{Result, bail};
 use std::path::Path;
 use std::process::Command;
 
+/// What is built: the program, with features that packages have in tests.
+pub const BUILT: &[&str] =
+    &["--locked", "--package", "lightloom", "--package", "shared-features", "--no-default-features"];
+
 const PICTURE: &str = "out/cornell-box.png";
 
 /// Builds the program without a window, ensures that there is an adapter, and renders.
@@ -14,7 +18,7 @@ pub fn run(root: &Path, consent: Consent) -> Result<()> {
     println!("Building lightloom (a few minutes the first time)");
     // The dev profile is optimized where it matters. The window would double the time; what is built here is not built
     // again by `cargo xtask test` (tools/shared-features).
-    run_command(cargo(root, "build").args(["--locked", "--package", "lightloom", "--no-default-features"]))?;
+    run_command(cargo(root, "build").args(BUILT))?;
     let lightloom = built("lightloom")?;
     let adapters = gpu::ensure(&lightloom, consent)?;
     if adapters.is_empty() {

@@ -8,6 +8,6 @@ use std::path::Path;
 /// on all passes knows these.
 pub fn run(root: &Path) -> Result<()> {
     let mut test = cargo(root, "test");
-    test.args(["--quiet", "--package", "catalog", "--no-default-features", "--test", "main"]);
+    test.args(["--quiet", "--package", "lightloom-catalog", "--no-default-features", "--test", "main"]);
     run_command(test.arg("tables_of_documents").env("LIGHTLOOM_BLESS", "1"))
 }

@@ -24,7 +24,7 @@ pub fn run(root: &Path, name: &str) -> Result<()> {
     let formatted =
         Command::new("rustfmt").current_dir(root).args(["--edition", "2024"]).args(sources).status();
     if !formatted.is_ok_and(|status| status.success()) {
-        eprintln!("warning: rustfmt did not run; `cargo fmt --package {name}` formats the pass");
+        eprintln!("warning: rustfmt did not run; `cargo fmt --package lightloom-{name}` formats the pass");
     }
     for path in &files {
         println!("made    {}", path.display());
@@ -33,7 +33,7 @@ pub fn run(root: &Path, name: &str) -> Result<()> {
     println!(
         "
 Next:
-  cargo test --package {name}
+  cargo test --package lightloom-{name}
       the pass multiplies radiance by a gain
   \"{name}\": Pass(kind: \"{name}\", in: {{ \"radiance\": \"direct\" }}, set: {{ \"gain\": 2.0 }}),
       a use of it in a pipeline; `lightloom passes {name}` prints its ports and settings
@@ -90,7 +90,10 @@ fn with_line(catalog: &str, name: &str) -> Result<String> {
     let mut lines: Vec<&str> = catalog.lines().collect();
     let last = lines.iter().rposition(|line| line.contains("path = \"../../passes/"));
     let last = last.with_context(|| format!("{CATALOG} lists no pass to put this one after"))?;
-    let line = format!("{name} = {{ path = \"../../passes/{name}\" }}");
+    let line = format!(
+        "{name} = {{ path = \"../../passes/{name}\", package = \"lightloom-{name}\", version = \"{}\" }}",
+        env!("CARGO_PKG_VERSION")
+    );
     lines.insert(last + 1, &line);
     Ok(lines.join("\n") + "\n")
 }
@@ -98,9 +101,8 @@ fn with_line(catalog: &str, name: &str) -> Result<String> {
 /// A text of the template for a pass of that name; without what is said of the template as such.
 fn renamed(text: &str, name: &str) -> String {
     let camel: String = name.split('-').map(|word| word[..1].to_uppercase() + &word[1..]).collect();
-    let about_the_template =
-        |line: &&str| !(line.starts_with("<!--") && line.contains("cargo xtask new-pass"));
-    let text: String = text.split_inclusive('\n').filter(about_the_template).collect();
+    let about_the_template = |line: &&str| line.contains("`cargo xtask new-pass`");
+    let text: String = text.split_inclusive('\n').filter(|line| !about_the_template(line)).collect();
     let names = [
         (TEMPLATE, &*format!("passes/{name}")),
         ("new-pass", name),

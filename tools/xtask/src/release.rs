@@ -71,7 +71,7 @@ fn newest(folder: &Path, ending: &str) -> Result<PathBuf> {
         .with_context(|| format!("no .{ending} in {}", folder.display()))
 }
 
-/// Builds all that a release has into `target/release-files`: an archive with the program, its manual and its completions; its symbols;
+/// Packs all crates, and builds each from what is packed. Builds all that a release has into `target/release-files`: an archive with the program, its manual and its completions; its symbols;
 /// the wheel; a list of all packages that are built in (CycloneDX); and the checksums of these.
 ///
 /// # Errors
@@ -85,6 +85,7 @@ pub fn run(root: &Path) -> Result<()> {
     let inner = folder.join(&name);
     fs::create_dir_all(&inner)?;
 
+    run_command(cargo(root, "package").args(["--workspace", "--locked"]))?;
     let build = ["--locked", "--profile", "profiling", "--package", "lightloom"];
     run_command(cargo(root, "build").args(build).env(COMMIT, commit(root)?))?;
     let (program, symbols) = (inner.join("lightloom"), folder.join(format!("{name}.debug")));

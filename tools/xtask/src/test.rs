@@ -14,7 +14,7 @@ use std::time::Instant;
 const THREADS_ON_CPU: &str = "2";
 
 /// The packages and features that are built: all packages, with a window on X11 and without what else a desktop offers, which no test uses.
-pub(crate) const BUILT: &[&str] =
+pub const BUILT: &[&str] =
     &["--locked", "--workspace", "--no-default-features", "--features", "lightloom/window"];
 
 /// Lets tests that pass say what they skipped, and what ran.

@@ -28,7 +28,11 @@ pub static CHECKS: &[Check] = &[
         "every folder of passes/ is a dependency of the catalog, and the other way round",
         manifests::catalog,
     ),
-    check("names", "a package is named after its folder", manifests::names),
+    check(
+        "names",
+        "a package is named after its folder, with `lightloom-` before it where it is published",
+        manifests::names,
+    ),
     check("lints", "every package has `[lints] workspace = true`", manifests::lints),
     check("tested", "a library says where it has no tests or no examples of its own", manifests::tested),
     check("no-gpu", "what must work without a GPU reaches no wgpu", manifests::no_gpu),

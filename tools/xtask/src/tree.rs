@@ -51,7 +51,7 @@ pub struct Manifest {
 /// A dependency in a manifest.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Dependency<'a> {
-    /// Name of the package.
+    /// Name of the package, as [`Manifest::package`].
     pub package: &'a str,
     /// Path as written, for one that says it.
     pub path: Option<&'a str>,
@@ -69,6 +69,10 @@ impl Tree {
         while let Some(folder) = open.pop() {
             for entry in folder.read_dir().with_context(|| format!("cannot read {}", folder.display()))? {
                 let path = entry?.path();
+                // Links make packages whole; what they lead to is in the tree.
+                if path.is_symlink() {
+                    continue;
+                }
                 let name = path.file_name().unwrap_or_default().to_string_lossy();
                 if path.is_dir() {
                     if !NOT_OURS.contains(&&*name) && (!name.starts_with('.') || HIDDEN.contains(&&*name)) {
@@ -116,9 +120,9 @@ impl Tree {
         &self.manifests
     }
 
-    /// Returns the manifest of a package.
+    /// Returns the manifest of a package, by its name with or without `lightloom-`.
     pub fn package(&self, name: &str) -> Option<&Manifest> {
-        self.manifests.iter().find(|manifest| manifest.package() == Some(name))
+        self.manifests.iter().find(|manifest| manifest.package() == Some(short(name)))
     }
 
     /// Returns the names of the folders of `passes/`, sorted.
@@ -151,6 +155,11 @@ impl File {
     }
 }
 
+/// Returns the name of a package without the `lightloom-` of those that are published.
+fn short(name: &str) -> &str {
+    name.strip_prefix("lightloom-").unwrap_or(name)
+}
+
 /// Returns the number of the line, from 1, in which a byte of the text lies.
 pub fn line_at(text: &str, byte: usize) -> usize {
     1 + text.as_bytes().iter().take(byte).filter(|&&b| b == b'\n').count()
@@ -168,8 +177,19 @@ impl Manifest {
     }
 
     /// Returns the name of the package; `None` for the workspace's own manifest.
-    pub fn package(&self) -> Option<&str> {
+    pub fn name(&self) -> Option<&str> {
         self.document.get("package")?.get("name")?.as_str()
+    }
+
+    /// Returns the name of the package without the `lightloom-` that it has where it is published.
+    pub fn package(&self) -> Option<&str> {
+        self.name().map(short)
+    }
+
+    /// Returns whether `publish` of the workspace, which is `false`, is that of the package.
+    pub fn is_unpublished(&self) -> bool {
+        let inherits = || self.document.get("package")?.get("publish")?.get("workspace")?.as_bool();
+        inherits() == Some(true)
     }
 
     /// Returns whether its lints are those of the workspace.
@@ -202,7 +222,7 @@ impl Manifest {
                     let text = |key: &str| item.get(key).and_then(|value| value.as_str());
                     let key = table.get_key_value(name).and_then(|(key, _)| key.span());
                     found.push(Dependency {
-                        package: text("package").unwrap_or(name),
+                        package: short(text("package").unwrap_or(name)),
                         path: text("path"),
                         dev,
                         line: self.line(key),

@@ -1,7 +1,7 @@
 //! A pass type whose uses name their WGSL.
 
 use super::MainShader;
-use crate::{About, Library, Pass, PassTypeError, Request, Use};
+use crate::{About, Files, Library, Pass, PassTypeError, Request, Use};
 use shader_library::Stage;
 
 /// A pass type whose uses name a WGSL file that declares all the rest: the entry points of one stage, in the order of the
@@ -12,6 +12,8 @@ pub struct ShaderPass {
     pub kind: &'static str,
     /// The documentation.
     pub about: &'static str,
+    /// The WGSL that the program carries with it.
+    pub files: Files,
     /// The stage of the entry points.
     pub stage: Stage,
     /// Returns the shader that is run for a user's file: the file itself, or one that imports it.
@@ -23,6 +25,10 @@ pub struct ShaderPass {
 impl Pass for ShaderPass {
     fn kind(&self) -> &'static str {
         self.kind
+    }
+
+    fn files(&self) -> Files {
+        self.files
     }
 
     fn about(&self, library: &Library) -> About {

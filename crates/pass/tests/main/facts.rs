@@ -46,6 +46,7 @@ impl Pass for Maker {
 /// A compute shader of the user's.
 const SHADER: ShaderPass = ShaderPass {
     kind: "shader",
+    files: &[],
     about: "",
     stage: Stage::Compute,
     request: |path| pass::request(path, &[]),

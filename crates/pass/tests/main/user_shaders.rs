@@ -16,6 +16,7 @@ const WRAPPER: &str = "#import interface \"effect\"
 
 const FRAGMENTS: ShaderPass = ShaderPass {
     kind: "fragments",
+    files: &[],
     about: "",
     stage: Stage::Fragment,
     request: |path| {

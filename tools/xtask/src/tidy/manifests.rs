@@ -32,7 +32,9 @@ pub(super) fn catalog(tree: &Tree) -> Vec<Finding> {
         .filter_map(|dependency| Some((dependency.path?.strip_prefix("../../passes/")?, dependency.line)))
         .collect();
     let missing = passes.iter().filter(|pass| !listed.iter().any(|(name, _)| name == *pass)).map(|pass| {
-        let line = format!("add under [dependencies]: {pass} = {{ path = \"../../passes/{pass}\" }}");
+        let line = format!(
+            "add under [dependencies]: {pass} = {{ path = \"../../passes/{pass}\", package = \"lightloom-{pass}\", version = \"0.1.0\" }}"
+        );
         Finding::new(CATALOG, 1, format!("passes/{pass} is not in the catalog; {line}"))
     });
     let gone = listed.iter().filter(|(name, _)| !passes.contains(name));
@@ -42,15 +44,26 @@ pub(super) fn catalog(tree: &Tree) -> Vec<Finding> {
 }
 
 pub(super) fn names(tree: &Tree) -> Vec<Finding> {
-    packages(tree)
-        .filter_map(|(name, manifest)| {
-            let (group, folder) = manifest.folder().split_once('/')?;
-            let wrong = ["crates", "examples", "passes", "tools"].contains(&group) && folder != name;
-            wrong.then(|| {
-                Finding::new(&manifest.path, 1, format!("package `{name}` lies in the folder `{folder}`"))
-            })
-        })
-        .collect()
+    let mut found = Vec::new();
+    for (short, manifest) in packages(tree) {
+        let (Some((group, folder)), Some(name)) = (manifest.folder().split_once('/'), manifest.name()) else {
+            continue;
+        };
+        if ["crates", "examples", "passes", "tools"].contains(&group) && folder != short {
+            found.push(Finding::new(
+                &manifest.path,
+                1,
+                format!("package `{name}` lies in the folder `{folder}`"),
+            ));
+        }
+        if !manifest.is_unpublished() && !name.starts_with("lightloom") {
+            let message = format!(
+                "package `{name}` is published: name it `lightloom-{short}`, or add `publish.workspace = true`"
+            );
+            found.push(Finding::new(&manifest.path, 1, message));
+        }
+    }
+    found
 }
 
 pub(super) fn lints(tree: &Tree) -> Vec<Finding> {

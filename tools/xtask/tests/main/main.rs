@@ -3,6 +3,7 @@
 mod features;
 mod mutate_shaders;
 mod new_pass;
+mod packages;
 mod tidy;
 
 use std::path::Path;

@@ -13,25 +13,25 @@ const TIDY: &[(&str, &str)] = &[
     (
         "crates/catalog/Cargo.toml",
         concat!(
-            "[package]\nname = \"catalog\"\n[lints]\nworkspace = true\n",
+            "[package]\nname = \"lightloom-catalog\"\n[lints]\nworkspace = true\n",
             "[dependencies]\ngather = { path = \"../../passes/gather\" }\npass.workspace = true\n",
         ),
     ),
     (
         "crates/pass/Cargo.toml",
-        "[package]\nname = \"pass\"\n[lints]\nworkspace = true\n[lib]\ntest = false\ndoctest = false\n",
+        "[package]\nname = \"lightloom-pass\"\n[lints]\nworkspace = true\n[lib]\ntest = false\ndoctest = false\n",
     ),
     (
         "crates/executor/Cargo.toml",
         concat!(
-            "[package]\nname = \"executor\"\n[lints]\nworkspace = true\n",
+            "[package]\nname = \"lightloom-executor\"\n[lints]\nworkspace = true\n",
             "[dependencies]\nwgpu.workspace = true\n",
         ),
     ),
     (
         "passes/gather/Cargo.toml",
         concat!(
-            "[package]\nname = \"gather\"\n[lints]\nworkspace = true\n",
+            "[package]\nname = \"lightloom-gather\"\n[lints]\nworkspace = true\n",
             "[dependencies]\npass.workspace = true\n[dev-dependencies]\nexecutor.workspace = true\n",
             "[lib]\ntest = false\ndoctest = false\n",
         ),
@@ -62,7 +62,7 @@ fn found(changes: &[(&str, &str)]) -> Vec<String> {
 
 fn package(name: &str, rest: &str) -> String {
     let lib = "[lib]\ntest = false\ndoctest = false\n";
-    format!("[package]\nname = \"{name}\"\n[lints]\nworkspace = true\n{rest}{lib}")
+    format!("[package]\nname = \"lightloom-{name}\"\n[lints]\nworkspace = true\n{rest}{lib}")
 }
 
 #[test]
@@ -88,7 +88,7 @@ fn every_rule_fires() {
     let long = "line\n".repeat(501);
     let readme = TIDY[5].1;
     let written = format!("<!-- x: written by cargo xtask docs -->\n{long}<!-- end of x -->\n");
-    let (splat, loose) = (package("splat", ""), "[package]\nname = \"pass\"\n");
+    let (splat, loose) = (package("splat", ""), "[package]\nname = \"lightloom-pass\"\n");
     let misnamed = package("passes", "");
     let gpu = package("pass", "[target.'cfg(unix)'.dependencies]\nexecutor.workspace = true\n");
     let friends = package("gather", "[dev-dependencies]\nsplat = { path = \"../splat\" }\n");
@@ -107,13 +107,20 @@ fn every_rule_fires() {
             "catalog",
             &[("passes/splat/Cargo.toml", &splat), ("passes/splat/README.md", "")],
             &[
-                "catalog crates/catalog/Cargo.toml:1: passes/splat is not in the catalog; add under [dependencies]: splat = { path = \"../../passes/splat\" }",
+                "catalog crates/catalog/Cargo.toml:1: passes/splat is not in the catalog; add under [dependencies]: splat = { path = \"../../passes/splat\", package = \"lightloom-splat\", version = \"0.1.0\" }",
             ],
         ),
         (
             "names",
             &[("crates/pass/Cargo.toml", &misnamed)],
-            &["names crates/pass/Cargo.toml:1: package `passes` lies in the folder `pass`"],
+            &["names crates/pass/Cargo.toml:1: package `lightloom-passes` lies in the folder `pass`"],
+        ),
+        (
+            "names",
+            &[("crates/pass/Cargo.toml", &package("pass", "").replace("lightloom-", ""))],
+            &[
+                "names crates/pass/Cargo.toml:1: package `pass` is published: name it `lightloom-pass`, or add `publish.workspace = true`",
+            ],
         ),
         (
             "tested",

@@ -1,0 +1,1 @@
+../../../shaders/lights.wgsl
