@@ -17,6 +17,10 @@ const THREADS_ON_CPU: &str = "2";
 pub const BUILT: &[&str] =
     &["--locked", "--workspace", "--no-default-features", "--features", "lightloom/window"];
 
+/// Where Mesa keeps shaders that it has compiled. By default that is in the home, and tests that give a program a home of its own, or have
+/// none, would compile all of them again: half of the time of many tests.
+const SHADER_CACHE: &str = "MESA_SHADER_CACHE_DIR";
+
 /// Lets tests that pass say what they skipped, and what ran.
 const TELLING: &[&str] = &["--", "--show-output"];
 
@@ -38,6 +42,9 @@ pub fn run(root: &Path, consent: Consent, all: bool) -> Result<()> {
     command.args(BUILT).arg("--no-fail-fast").args(TELLING);
     command.args(if all { ALL } else { &[] }).stdout(Stdio::piped());
     quieten_mesa(&mut command, std::env::var_os("XDG_RUNTIME_DIR").is_some());
+    if std::env::var_os(SHADER_CACHE).is_none() {
+        command.env(SHADER_CACHE, root.join("target/shader-cache"));
+    }
     if gpu::on_cpu(&adapters) && std::env::var_os("RUST_TEST_THREADS").is_none() {
         command.env("RUST_TEST_THREADS", THREADS_ON_CPU);
     }
