@@ -246,8 +246,7 @@ impl Gpu {
 
     /// Returns the adapter and driver in one line, for provenance.
     pub fn describe(&self) -> String {
-        let info = &self.info;
-        format!("{} ({:?}, {} {})", info.name, info.backend, info.driver, info.driver_info)
+        describe(&self.info)
     }
 
     /// Runs `f` between the start and the end of a capture of the graphics debugger that is attached to the process
@@ -295,6 +294,11 @@ impl Gpu {
             Err(_) => lost("the driver failed while it was waited for".to_owned()),
         }
     }
+}
+
+/// Returns an adapter and its driver in one line.
+pub fn describe(adapter: &wgpu::AdapterInfo) -> String {
+    format!("{} ({:?}, {} {})", adapter.name, adapter.backend, adapter.driver, adapter.driver_info)
 }
 
 /// Returns the place of an adapter that is given by that place or a part of its name.

@@ -19,7 +19,7 @@ mod uniforms;
 
 pub use error::ExecutorError;
 pub use format::texture_format;
-pub use gpu::Gpu;
+pub use gpu::{Gpu, describe};
 pub use object::{Object, ObjectUsage, SceneBinding};
 pub use readback::map as map_buffer;
 pub use run::{Executor, FrameOptions, FrameReport, LoadReport};

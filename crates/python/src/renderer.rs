@@ -120,11 +120,6 @@ impl Renderer {
         Ok(())
     }
 
-    /// Waits for the device.
-    fn wait(&self, py: Python<'_>) -> PyResult<()> {
-        self.with(py, |inner| Ok(inner.renderer.gpu().wait()?))
-    }
-
     /// Returns an output or a layer of a texture, `[height, width, 4]`.
     fn picture<'py>(&self, py: Python<'py>, name: &str, layer: u32) -> PyResult<Bound<'py, PyArray3<f32>>> {
         pixels(py, self.with(py, |inner| Ok(inner.renderer.picture(name, layer)?))?)

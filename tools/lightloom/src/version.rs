@@ -12,10 +12,7 @@ pub(crate) fn long() -> String {
         ("tracy", cfg!(feature = "tracy")),
     ];
     let with: Vec<&str> = features.iter().filter(|(_, is_on)| *is_on).map(|(name, _)| *name).collect();
-    let adapters = Gpu::adapters().into_iter().map(|adapter| {
-        format!("{} ({:?}, {} {})", adapter.name, adapter.backend, adapter.driver, adapter.driver_info)
-    });
-    let adapters: Vec<String> = adapters.collect();
+    let adapters: Vec<String> = Gpu::adapters().iter().map(executor::describe).collect();
     let or_none = |list: Vec<String>| if list.is_empty() { "none".to_owned() } else { list.join("; ") };
     format!(
         "{}\ncommit: {commit}\nfeatures: {}\nadapters: {}",
