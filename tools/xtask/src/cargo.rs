@@ -25,3 +25,20 @@ pub fn built(name: &str) -> Result<PathBuf> {
     ensure!(path.is_file(), "the build left no {}", path.display());
     Ok(path)
 }
+
+/// Returns a program of crates.io, given as `NAME@VERSION`, which is installed among the build outputs if it is not there. It is not
+/// optimized, since it runs seldom.
+pub fn installed(root: &Path, package: &str) -> Result<PathBuf> {
+    let (name, version) = package.split_once('@').context("a version")?;
+    let folder = root.join("target/tools").join(format!("{name}-{version}"));
+    let program = folder.join("bin").join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
+    if !program.is_file() {
+        let mut install = cargo(root, "install");
+        install.args(["--debug", "--quiet", "--locked", package, "--root"]).arg(&folder);
+        run(install
+            .arg("--target-dir")
+            .arg(root.join("target/tools/build"))
+            .env("CARGO_PROFILE_DEV_DEBUG", "0"))?;
+    }
+    Ok(program)
+}

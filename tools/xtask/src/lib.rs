@@ -10,6 +10,7 @@ pub mod new_pass;
 pub mod optional;
 pub mod packages;
 pub mod release;
+pub mod semver;
 pub mod test;
 pub mod tidy;
 pub mod tree;

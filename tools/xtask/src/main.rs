@@ -5,7 +5,7 @@ use clap::{Parser, Subcommand};
 use std::process::ExitCode;
 use xtask::mutate_shaders::Options;
 use xtask::packages::Consent;
-use xtask::{bless, demo, docs, mutate_shaders, new_pass, release, test, tidy, tree};
+use xtask::{bless, demo, docs, mutate_shaders, new_pass, release, semver, test, tidy, tree};
 
 /// Chores of the tree.
 #[derive(Parser)]
@@ -39,6 +39,11 @@ enum Command {
     /// Build what a release has: the program with its manual and completions, its symbols, the wheel, a list of all
     /// packages in it, and checksums
     Release,
+    /// Check that the APIs of published crates changed no more than their version says
+    Semver {
+        /// The commit to compare with. Without it, the last release
+        baseline: Option<String>,
+    },
     /// Make a pass that compiles and is tested: a folder under passes/, and its line in the catalog
     NewPass {
         /// Its name in RON and of its folder, in kebab-case
@@ -92,6 +97,7 @@ fn run(command: Command) -> Result<()> {
         Command::Test { all, yes } => test::run(&root, Consent::new(yes), all),
         Command::Wheel => release::wheel(&root).map(|_| ()),
         Command::Release => release::run(&root),
+        Command::Semver { baseline } => semver::run(&root, baseline.as_deref()),
         Command::NewPass { name } => new_pass::run(&root, &name),
         Command::Tidy => tidy::run(&root),
         Command::Docs => docs::run(&root),

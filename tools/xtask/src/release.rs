@@ -1,6 +1,6 @@
 //! `cargo xtask wheel` and `cargo xtask release`: what users install. Nothing is published.
 
-use crate::cargo::{cargo, run as run_command};
+use crate::cargo::{cargo, installed, run as run_command};
 use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -71,7 +71,7 @@ fn newest(folder: &Path, ending: &str) -> Result<PathBuf> {
         .with_context(|| format!("no .{ending} in {}", folder.display()))
 }
 
-/// Packs all crates, and builds each from what is packed. Builds all that a release has into `target/release-files`: an archive with the program, its manual and its completions; its symbols;
+/// Builds all that a release has into `target/release-files`: an archive with the program, its manual and its completions; its symbols;
 /// the wheel; a list of all packages that are built in (CycloneDX); and the checksums of these.
 ///
 /// # Errors
@@ -85,7 +85,6 @@ pub fn run(root: &Path) -> Result<()> {
     let inner = folder.join(&name);
     fs::create_dir_all(&inner)?;
 
-    run_command(cargo(root, "package").args(["--workspace", "--locked"]))?;
     let build = ["--locked", "--profile", "profiling", "--package", "lightloom"];
     run_command(cargo(root, "build").args(build).env(COMMIT, commit(root)?))?;
     let (program, symbols) = (inner.join("lightloom"), folder.join(format!("{name}.debug")));
@@ -120,14 +119,7 @@ pub fn run(root: &Path) -> Result<()> {
 
 /// Writes the list of all packages that the program is built from.
 fn list_of_packages(root: &Path, path: &Path) -> Result<()> {
-    let tools = root.join("target/tools");
-    let tool = tools.join("bin/cargo-sbom");
-    if !tool.is_file() {
-        let mut install = cargo(root, "install");
-        install.args(["--debug", "--quiet", "--locked", "--root"]).arg(&tools).arg("--target-dir");
-        run_command(install.arg(tools.join("build")).arg(SBOM))?;
-    }
-    let mut list = Command::new(tool);
+    let mut list = Command::new(installed(root, SBOM)?);
     list.current_dir(root).args([
         "sbom",
         "--cargo-package",

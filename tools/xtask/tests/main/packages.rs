@@ -3,7 +3,8 @@
 use xtask::cargo::cargo;
 use xtask::tree::root;
 
-/// All packages can be packed, and cargo has nothing to say about it. `cargo xtask release` builds each from what is packed.
+/// All packages can be packed, and cargo has nothing to say about it. Without `--no-verify`, which
+/// takes half an hour, cargo also builds each from what is packed.
 #[test]
 #[ignore = "slow"]
 fn packages_are_packed_without_a_warning() {
