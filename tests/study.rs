@@ -2,6 +2,7 @@
 
 use crate::adapter::{gpu, names_in, root};
 use crate::program::{Done, Folder, command_of_tree};
+use metrics::Image;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -99,7 +100,31 @@ fn parts_join_and_results_go_into_a_page() {
         "{page}"
     );
     study(&folder, &["report", "all"]).says(&["report.html"]);
+    pictures_go_into_a_page(&folder);
     study(&folder, &["report", "nowhere"]).failure(1, &["there is no study here"]);
+}
+
+/// A gallery: the pictures of the study `all` as files, and a table of them in a page, whose other text stays.
+fn pictures_go_into_a_page(folder: &Folder) {
+    let gallery = ["pictures", "all", "--page", "pages/all.md", "--into", "pages/pictures"];
+    folder.write("pages/all.md", "By hand.\n");
+    study(folder, &gallery).failure(1, &["pages/all.md", "<!-- gallery: small -->"]);
+    assert_eq!(folder.read("pages/all.md"), "By hand.\n");
+    folder.write("pages/all.md", "Before.\n<!-- gallery: small -->\nold\n<!-- end -->\nAfter.\n");
+    for _ in 0..2 {
+        study(folder, &gallery).success();
+    }
+    let page = folder.read("pages/all.md");
+    assert!(page.starts_with("Before.\n<!-- gallery: small -->\n") && page.ends_with("<!-- end -->\nAfter.\n"));
+    assert!(!page.contains("old") && page.contains("<code>reference</code>") && page.contains(" ms"), "{page}");
+    let shown: Vec<&str> =
+        page.split("<img src=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+    // The reference, and eight cells.
+    assert_eq!(shown.len(), 9, "{page}");
+    for file in shown {
+        let picture = Image::read(folder.at("pages").join(file)).unwrap();
+        assert!(picture.pixels().iter().any(|pixel| pixel[0] > 0.0), "{file}");
+    }
 }
 
 /// Files may not grow beyond some blocks, as on a disk that is full: the file is named, finished cells are kept.

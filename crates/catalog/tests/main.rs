@@ -120,3 +120,19 @@ fn the_program_carries_the_files_of_the_tree() {
         }
     }
 }
+
+/// The README shows a picture of each pipeline.
+#[test]
+fn the_gallery_is_whole() {
+    let assets = assets();
+    let [study, readme] = ["studies/gallery.ron", "README.md"].map(|file| assets.text(file).unwrap());
+    for name in Catalog::new(assets).list_pipelines().into_iter().map(|named| named.name) {
+        assert!(
+            name == "reference" || study.contains(&format!("\"{name}\",\n")),
+            "studies/gallery.ron lacks {name}"
+        );
+        assert!(readme.contains(&format!("<code>{name}</code>")), "README.md lacks {name}: {COMMAND}");
+    }
+}
+
+const COMMAND: &str = "lightloom study gallery -o out/gallery; lightloom study pictures out/gallery";

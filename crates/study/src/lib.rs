@@ -48,7 +48,7 @@ pub use record::{
     Axis, AxisValue, Better, Cell, CellImages, Difference, End, FrameSeries, MeasureInfo, Memory, Node,
     Outcome, PassTime, PipelineRecord, ReferenceRecord, Results, SceneRecord, StudyRecord,
 };
-pub use report::{claims, report, report_with, tables};
+pub use report::{claims, gallery, report, report_with, tables};
 pub use run::{Event, Ran, RunOptions, name_of, run};
 pub use shard::{Shard, ShardError};
 pub use spread::costs;

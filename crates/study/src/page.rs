@@ -11,8 +11,10 @@ use std::path::{Path, PathBuf};
 
 const END: &str = "<!-- end -->";
 
+const STUDY: &str = "<!-- study: ";
+
 fn begin(name: &str) -> String {
-    format!("<!-- study: {name} -->")
+    format!("{STUDY}{name} -->")
 }
 
 /// Writes the results of studies to pages of Markdown in a folder: that of each to `NAME.md`, between `<!-- study: NAME -->`
@@ -51,11 +53,18 @@ pub fn publish(folders: &[PathBuf], pages: &Path) -> Result<Vec<PathBuf>, StudyE
 /// Returns the page with the content of the section `name` replaced; `None` if that section has no end.
 fn replaced(page: &str, name: &str, section: &str) -> Option<String> {
     let begin = begin(name);
-    let Some((before, rest)) = page.split_once(&begin) else {
+    if !page.contains(&begin) {
         let gap = if page.is_empty() || page.ends_with("\n\n") { "" } else { "\n" };
         return Some(format!("{page}{gap}{begin}\n{section}{END}\n"));
-    };
-    let next = rest.find("<!-- study: ");
+    }
+    between(page, &begin, section)
+}
+
+/// Returns the page with what stands between a line and the next `<!-- end -->` replaced; `None` if there is none, or it is that of a
+/// section after.
+pub(crate) fn between(page: &str, begin: &str, section: &str) -> Option<String> {
+    let (before, rest) = page.split_once(begin)?;
+    let next = rest.find(STUDY);
     let end = rest.find(END).filter(|end| next.is_none_or(|next| *end < next))?;
     Some(format!("{before}{begin}\n{section}{}", &rest[end..]))
 }

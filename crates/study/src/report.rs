@@ -3,6 +3,7 @@
 mod best;
 mod digest;
 mod figures;
+mod gallery;
 mod page;
 mod pictures;
 mod table;
@@ -14,6 +15,7 @@ use crate::error::io;
 use crate::{Results, StudyError, folder};
 pub(crate) use digest::{Digest, distinct, is_time};
 use figures::Figures;
+pub use gallery::gallery;
 use pictures::Pictures;
 use report::{Table, escape};
 

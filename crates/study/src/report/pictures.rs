@@ -224,9 +224,8 @@ impl Truth {
 
     /// Returns an entry with the exposure that a picture needs.
     fn exposed(scene: usize, path: &str, image: &Image, whose: &str) -> Truth {
-        let is_display = FileFormat::of(Path::new(path)).is_some_and(FileFormat::is_display_referred);
-        let white = if is_display { 1.0 } else { white(image) };
-        let display = Display { tonemap: Tonemap::Clamp, exposure: -white.log2() };
+        let is_display = is_display(path);
+        let display = exposed_for(path, image);
         let mut note = if is_display {
             "Auto is 0 EV: shown as they are.".to_owned()
         } else {
@@ -298,13 +297,23 @@ impl View {
     }
 }
 
+fn is_display(path: &str) -> bool {
+    FileFormat::of(Path::new(path)).is_some_and(FileFormat::is_display_referred)
+}
+
+/// Returns the exposure that the picture in a file needs: white is the 99th percentile of luminance.
+pub(super) fn exposed_for(path: &str, image: &Image) -> Display {
+    let white = if is_display(path) { 1.0 } else { white(image) };
+    Display { tonemap: Tonemap::Clamp, exposure: -white.log2() }
+}
+
 /// Returns the cells of a row that have a picture to show.
 fn with_pictures<'a>(row: &Row<'a>) -> Vec<&'a Cell> {
     row.cells.iter().copied().filter(|cell| cell.images.image.is_some()).collect()
 }
 
 /// Formats an error with the path as the study names it: the page may be read on another machine.
-fn message(path: &str, error: &metrics::ImageError) -> String {
+pub(super) fn message(path: &str, error: &metrics::ImageError) -> String {
     let error = error.to_string();
     let reason = error.split_once(": ").map_or(&*error, |(_, reason)| reason);
     format!("{path}: {reason}")

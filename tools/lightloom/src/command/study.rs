@@ -145,6 +145,18 @@ enum Other {
         #[arg(long, value_name = "DIR", default_value = "docs/results")]
         into: PathBuf,
     },
+    /// Write the pictures of a folder, with time and error below each, into a page of Markdown between
+    /// `<!-- gallery: NAME -->` and `<!-- end -->`
+    Pictures {
+        /// The folder
+        folder: PathBuf,
+        /// The page
+        #[arg(long, value_name = "FILE", default_value = "README.md")]
+        page: PathBuf,
+        /// The folder of the pictures
+        #[arg(long, value_name = "DIR", default_value = "docs/gallery")]
+        into: PathBuf,
+    },
 }
 
 /// What an error that ends a run means for what was finished.
@@ -186,6 +198,15 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
                 output::json(&json!({ "pages": pages }));
             } else {
                 pages.iter().for_each(|page| stdout!("{}", page.display()));
+            }
+            Ok(())
+        }
+        Some(Other::Pictures { folder, page, into }) => {
+            let files = study::gallery(folder, page, into)?;
+            if context.json {
+                output::json(&json!({ "files": files }));
+            } else {
+                stdout!("{}: {} pictures", page.display(), files.len() - 1);
             }
             Ok(())
         }
