@@ -90,12 +90,17 @@ fn with_line(catalog: &str, name: &str) -> Result<String> {
     let mut lines: Vec<&str> = catalog.lines().collect();
     let last = lines.iter().rposition(|line| line.contains("path = \"../../passes/"));
     let last = last.with_context(|| format!("{CATALOG} lists no pass to put this one after"))?;
-    let line = format!(
-        "{name} = {{ path = \"../../passes/{name}\", package = \"lightloom-{name}\", version = \"{}\" }}",
-        env!("CARGO_PKG_VERSION")
-    );
+    let line = catalog_line(name);
     lines.insert(last + 1, &line);
     Ok(lines.join("\n") + "\n")
+}
+
+/// The line by which the catalog depends on a pass.
+pub(crate) fn catalog_line(name: &str) -> String {
+    format!(
+        "{name} = {{ path = \"../../passes/{name}\", package = \"lightloom-{name}\", version = \"{}\" }}",
+        env!("CARGO_PKG_VERSION")
+    )
 }
 
 /// A text of the template for a pass of that name; without what is said of the template as such.

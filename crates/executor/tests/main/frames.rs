@@ -343,7 +343,7 @@ fn monitored_frames_report_their_times_later() {
     assert!((first..=last).contains(&timings.frame), "{timings:?}");
     assert!(timings.times.len() == 3 && timings.times.iter().all(|time| *time > 0.0), "{timings:?}");
     let later = running.0.timings().unwrap();
-    assert!(later.frame >= timings.frame, "they stay until there are newer ones");
+    assert!(later.frame > timings.frame || *later == timings, "they stay until there are newer ones");
     // With the GPU idle there is a buffer free for every frame.
     for _ in 0..6 {
         let frame = running.frame_of_all(monitored).frame;

@@ -1,6 +1,7 @@
 //! Rules on packages.
 
 use super::Finding;
+use crate::new_pass::catalog_line;
 use crate::tree::{File, Manifest, Tree};
 use std::collections::BTreeSet;
 
@@ -32,9 +33,7 @@ pub(super) fn catalog(tree: &Tree) -> Vec<Finding> {
         .filter_map(|dependency| Some((dependency.path?.strip_prefix("../../passes/")?, dependency.line)))
         .collect();
     let missing = passes.iter().filter(|pass| !listed.iter().any(|(name, _)| name == *pass)).map(|pass| {
-        let line = format!(
-            "add under [dependencies]: {pass} = {{ path = \"../../passes/{pass}\", package = \"lightloom-{pass}\", version = \"0.1.0\" }}"
-        );
+        let line = format!("add under [dependencies]: {}", catalog_line(pass));
         Finding::new(CATALOG, 1, format!("passes/{pass} is not in the catalog; {line}"))
     });
     let gone = listed.iter().filter(|(name, _)| !passes.contains(name));
@@ -56,7 +55,7 @@ pub(super) fn names(tree: &Tree) -> Vec<Finding> {
                 format!("package `{name}` lies in the folder `{folder}`"),
             ));
         }
-        if !manifest.is_unpublished() && !name.starts_with("lightloom") {
+        if !manifest.is_unpublished() && short == name && name != "lightloom" {
             let message = format!(
                 "package `{name}` is published: name it `lightloom-{short}`, or add `publish.workspace = true`"
             );
