@@ -1,6 +1,6 @@
 // Estimates how densely points lie on surfaces, by the distance to the k-th nearest neighbour. [SMC-IR §3.2.4, Eq. 7-8]
 //
-// This file has the search; summary.wgsl and cells.wgsl prepare it. All that leaves the search is the k least distances, so it
+// This file has the search; summary.wgsl and tree.wgsl prepare it. All that leaves the search is the k least distances, so it
 // does not matter in which order neighbours are found.
 
 #input points: SurfacePoints // The points that have a density.
@@ -8,7 +8,7 @@
     // themselves.
 #output density: Density(count: points.count) // Estimate at each point; 0 where that is empty.
 
-#option GRID false internal // whether points are sorted into cells, of which the nearest are searched; else all are compared
+#option TREE false internal // whether there is a tree over the points, which is searched; else all are compared
 #option SELF false internal // whether neighbours are among the points themselves
 #option VECTORS 1 one_of [1, 2, 4, 8] internal // four distances each: k and more
 #option SIDES false // Whether only neighbours whose normals are within 90° of the point's own count. Otherwise the two sides of a
@@ -18,6 +18,7 @@
 #output owners: Owners(count: points.count) // The neighbour that is nearest to each point.
 #endif
 
+#import "algorithms/summary.wgsl"
 #import "color.wgsl"
 #import "dispatch.wgsl"
 #import "neighbourhood.wgsl"
@@ -25,17 +26,16 @@
 struct Settings {
     points_count: u32,
     among_count: u32,
-    /// The index of this dispatch among several. Each takes its share of neighbours from everywhere, so that none searches far and
-    /// wide for want of any.
+    /// The index of this dispatch among several, each of which compares its share of neighbours.
     part: u32,
     parts: u32,
-    /// The most cells in a direction.
-    resolution: u32,
+    /// Leaves of the tree, a power of two.
+    leaves: u32,
     /// The number k of the neighbour whose distance is measured. Higher: the estimate has less variance, but is blurred. 0: max(1, ⌊√I / 32⌋)
     /// of I points, with which it is consistent (SMC-IR Eq. 8), up to 32. [default: 0, min: 0, max: 32]
     k: u32,
-    /// The search for neighbours, whose result is the same. pairs: all pairs are compared. grid: points are sorted into cells.
-    /// auto: the faster of both for the numbers of points. [default: "auto", one_of: ["auto", "pairs", "grid"]]
+    /// The search for neighbours, whose result is the same. pairs: all pairs are compared. tree: down a tree over the points.
+    /// auto: the faster of both for the numbers of points. [default: "auto", one_of: ["auto", "pairs", "tree"]]
     structure: u32,
 }
 
@@ -49,10 +49,12 @@ var<storage, read_write> density: array<f32>;
 #if OWNERS
 var<storage, read_write> owners: array<u32>;
 #endif
-#if GRID
-/// Where in `arranged` the points of each cell begin.
-var<storage, read> starts: array<u32>;
+#if TREE
+var<storage, read> nodes: array<Neighbourhood>;
+/// Position [units] as bits, and index, leaf after leaf.
 var<storage, read> arranged: array<vec4<u32>>;
+/// The points along the curve too: neighbouring threads search in the same nodes.
+var<storage, read> turns: array<u32>;
 #endif
 
 const GROUP: u32 = 256u;
@@ -61,6 +63,10 @@ const NOT_FOUND: f32 = 3.0e38;
 /// Points whose squared distance is less are in the same place [units²]: single precision distinguishes positions to 1e-7 of
 /// the extent, unless they are near the origin.
 const SAME_PLACE: f32 = 1e-20;
+#if SIDES
+/// Cosine of the greatest angle between normals of one side: less than 90° by more than roundings.
+const SAME_SIDE: f32 = 1e-5;
+#endif
 
 struct Query {
     index: u32,
@@ -137,7 +143,7 @@ fn is_neighbour(query: Query, index: u32) -> bool {
     }
 #endif
 #if SIDES
-    if dot(among.points[index].normal, query.normal) <= 0.0 {
+    if dot(among.points[index].normal, query.normal) < SAME_SIDE {
         return false;
     }
 #endif
@@ -200,74 +206,92 @@ fn query_of(index: u32) -> Query {
     return Query(index, point.position * units_per_metre(), point.normal);
 }
 
-#if GRID
-/// Takes the points of neighbouring cells of a row into account.
-fn search_row(query: Query, first: u32, last: u32) {
-    let end = starts[last + 1u];
-    // The first place of this part.
-    let begin = starts[first] + (settings.part + settings.parts - starts[first] % settings.parts) % settings.parts;
-    for (var place = begin; place < end; place += settings.parts) {
+#if TREE
+/// What rounding may take from a squared distance, as a factor.
+const ROUNDED: f32 = 1.0 - 1e-6;
+
+/// Whether a neighbour that counts may be in a node.
+fn may_hold(query: Query, node: Neighbourhood, squared: f32) -> bool {
+    if node.first == NO_POINT {
+        return false;
+    }
+#if SIDES
+    // The greatest cosine of any normal in the box.
+    let cosines = max(query.normal * node.normal_low, query.normal * node.normal_high);
+    if cosines.x + cosines.y + cosines.z < 0.5 * SAME_SIDE {
+        return false;
+    }
+#endif
+    let is_place = all(node.low == node.high);
+#if OWNERS
+    if squared <= owner_squared && !(is_place && squared == owner_squared && node.first >= owner) {
+        return true;
+    }
+#endif
+    let farthest = max(abs(node.low - query.position), abs(node.high - query.position));
+    return squared < reach() && (!is_place || dot(farthest, farthest) >= SAME_PLACE);
+}
+
+/// The least squared distance that a point of a node may have [units²]; a negative number where none of them counts.
+fn distance_to(query: Query, index: u32) -> f32 {
+    let node = nodes[index];
+    let outside = max(max(node.low - query.position, query.position - node.high), vec3(0.0));
+    // Points of a node that is all in one place are as far as that.
+    let squared = dot(outside, outside) * select(ROUNDED, 1.0, all(node.low == node.high));
+    return select(-1.0, squared, may_hold(query, node, squared));
+}
+
+/// Takes the points of a leaf into account.
+fn search_leaf(query: Query, leaf: u32) {
+    for (var place = leaf * LEAF; place < min((leaf + 1u) * LEAF, summary.count); place++) {
         let other = arranged[place];
         consider(query, bitcast<vec3<f32>>(other.xyz), other.w);
     }
 }
 
-/// Searches boxes of cells, each around the one before, until what is outside is farther than the k-th neighbour.
-fn search_cells(query: Query) {
-    let cells = cells_around(summary, settings.resolution);
-    let home = cell_at(cells, query.position);
-    var radius = 0u;
-    var inner_low = home;
-    var inner_high = home;
+/// Searches down the tree: of two children the nearer first, and the other where it may still hold a neighbour. Of equals the
+/// first comes first, so of points in one place that with the least index.
+fn search_tree(query: Query) {
+    var node = 1u;
+    // A bit for each level above the node, the lowest for the last: whether the sibling of the node on the way there is still to
+    // be searched.
+    var rest = 0u;
+    var is_down = distance_to(query, node) >= 0.0;
     loop {
-        let low = home - min(home, vec3(radius));
-        let high = min(home + radius, cells.last);
-        for (var z = low.z; z <= high.z; z++) {
-            for (var y = low.y; y <= high.y; y++) {
-                let row = cell_index(cells, vec3(0u, y, z));
-                let yz = vec2(y, z);
-                // The middle of these rows is the box before.
-                if radius > 0u && all(yz >= inner_low.yz) && all(yz <= inner_high.yz) {
-                    if low.x < inner_low.x {
-                        search_row(query, row + low.x, row + inner_low.x - 1u);
-                    }
-                    if high.x > inner_high.x {
-                        search_row(query, row + inner_high.x + 1u, row + high.x);
-                    }
-                } else {
-                    search_row(query, row + low.x, row + high.x);
-                }
+        if is_down && node < settings.leaves {
+            let left = distance_to(query, 2u * node);
+            let right = distance_to(query, 2u * node + 1u);
+            let is_right = left < 0.0 || (right >= 0.0 && right < left);
+            is_down = max(left, right) >= 0.0;
+            if is_down {
+                node = 2u * node + select(0u, 1u, is_right);
+                rest = 2u * rest + select(0u, 1u, min(left, right) >= 0.0);
+                continue;
             }
+        } else if is_down {
+            search_leaf(query, node - settings.leaves);
         }
-        // How far all cells outside are: less the rounding of cells' sides. There are none beyond the first and the last.
-        let below = query.position - cells.low - vec3<f32>(low) * cells.width;
-        let above = cells.low - query.position + vec3<f32>(high + 1u) * cells.width;
-        let free = min(select(below, vec3(1e18), low == vec3(0u)), select(above, vec3(1e18), high == cells.last));
-        let sure = max(min(free.x, min(free.y, free.z)) - 1e-3 * cells.width, 0.0);
-        if sure * sure >= reach() || (all(low == vec3(0u)) && all(high == cells.last)) {
+        if rest == 0u {
             break;
         }
-        inner_low = low;
-        inner_high = high;
-        // As far as is sure to be enough, or twice as far where there are too few neighbours yet.
-        var more = radius;
-        if reach() < NOT_FOUND {
-            more = u32(min((sqrt(reach()) - sure) * cells.per_unit, f32(settings.resolution)));
-        }
-        radius = min(radius + more + 1u, settings.resolution);
+        let levels = countTrailingZeros(rest);
+        node = (node >> levels) ^ 1u;
+        rest = (rest >> levels) ^ 1u;
+        is_down = distance_to(query, node) >= 0.0;
     }
 }
 
 @compute @workgroup_size(GROUP)
 fn search(row: Row) {
-    let index = index_in(row, GROUP);
-    if index >= settings.points_count {
+    let turn = index_in(row, GROUP);
+    if turn >= settings.points_count {
         return;
     }
+    let index = turns[turn];
     let query = query_of(index);
     begin_search(query, index);
-    if points.points[index].triangle != NO_TRIANGLE && summary.count > 0u {
-        search_cells(query);
+    if points.points[index].triangle != NO_TRIANGLE {
+        search_tree(query);
     }
     end_search(query);
 }

@@ -1,9 +1,8 @@
-// The points among which neighbours are searched, and the cells that they are sorted into.
+// The points among which neighbours are searched, and the tree over them.
 //
 // Lengths are in a unit near the scene's extent, so that their squares stay in range for scenes of any scale. It is a power of
 // two times a metre: positions in it are exact, and so are differences of neighbours.
 
-#import "algorithms/summary.wgsl"
 #import "scene.wgsl"
 #import "surface-points.wgsl"
 
@@ -14,36 +13,20 @@ fn units_per_metre() -> f32 {
     return select(1.0, inverse, scene_info.extent > 0.0);
 }
 
-/// Cubes around all points.
-struct Cells {
+/// Points of a leaf. More: fewer nodes to visit and less memory, but more points are compared.
+const LEAF: u32 = 8u;
+
+/// What is in a node of a perfect binary tree over the points, sorted along Hilbert's curve. Node 1 is the root; nodes 2i and 2i +
+/// 1 are the children of node i.
+struct Neighbourhood {
+    /// The box around all positions [units].
     low: vec3<f32>,
-    /// Side of a cube [units].
-    width: f32,
-    /// The greatest index of a cube in each direction.
-    last: vec3<u32>,
-    /// Cubes in a unit.
-    per_unit: f32,
+    /// The least index of a point; NO_POINT where there is none.
+    first: u32,
+    high: vec3<f32>,
+    /// The box around all normals.
+    normal_low: vec3<f32>,
+    normal_high: vec3<f32>,
 }
 
-/// At most `resolution` cubes in each direction.
-fn cells_around(summary: Summary, resolution: u32) -> Cells {
-    let size = summary.high - summary.low;
-    let longest = max(size.x, max(size.y, size.z));
-    // Points that are all in one place need no more than one.
-    if summary.count == 0u || longest < 1e-10 {
-        return Cells(summary.low, 1.0, vec3(0u), 1.0);
-    }
-    let per_unit = f32(resolution) / longest;
-    return Cells(summary.low, longest / f32(resolution), min(vec3<u32>(size * per_unit), vec3(resolution - 1u)), per_unit);
-}
-
-/// The cube of a position, or the one nearest to it where it lies outside.
-fn cell_at(cells: Cells, position: vec3<f32>) -> vec3<u32> {
-    return vec3<u32>(clamp((position - cells.low) * cells.per_unit, vec3(0.0), vec3<f32>(cells.last)));
-}
-
-/// Index of a cube. Those of a row along x follow each other.
-fn cell_index(cells: Cells, cell: vec3<u32>) -> u32 {
-    let size = cells.last + 1u;
-    return (cell.z * size.y + cell.y) * size.x + cell.x;
-}
+const NO_POINT: u32 = 0xffffffffu;

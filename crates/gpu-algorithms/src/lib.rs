@@ -1,4 +1,4 @@
-//! Reductions, scans, compactions, sorts, selection and grids, as steps for passes.
+//! Reductions, scans, compactions, sorts and selection, as steps for passes.
 //!
 //! The WGSL is in `shaders/algorithms/`. A pass has its own shader, which imports one of these files and defines the
 //! functions that the file calls: how many elements there are, the value of each, and what happens with the results. So
@@ -13,7 +13,6 @@
 //! | prefix sums of weights, by segments | `algorithms/segmented-scan.wgsl` | | [`segmented_scan`] |
 //! | the element of a rank | `algorithms/select.wgsl` | [`select::scratch`] | [`select::steps`] |
 //! | sort keys and values | (none) | [`RadixSort::scratch`] | [`RadixSort::steps`] |
-//! | sort elements into cells | `algorithms/grid.wgsl` | [`Grid::scratch`] | [`Grid::steps`] |
 //!
 //! All of them compute the same bits in every run: sums of floating-point numbers have one order, and atomic operations
 //! are on integers alone. No workgroup waits for another. Lengths are upper bounds: a shader may read the true one from
@@ -28,7 +27,6 @@
 //! # }
 //! ```
 
-mod grid;
 mod parts;
 mod radix_sort;
 pub mod reduce;
@@ -36,7 +34,6 @@ pub mod reference;
 pub mod scan;
 pub mod select;
 
-pub use grid::Grid;
 pub use parts::{Part, parts};
 pub use radix_sort::RadixSort;
 

@@ -59,17 +59,6 @@ pub fn select(keys: &[u32], rank: u32) -> u32 {
     sorted.get(rank as usize).or(sorted.last()).copied().unwrap_or(u32::MAX)
 }
 
-/// Returns where the elements of each cell begin, and where the last ends; and their numbers, cell after cell, without
-/// those whose cell is not below `cells`.
-pub fn grid(cell_of: &[u32], cells: u32) -> (Vec<u32>, Vec<u32>) {
-    let mut inside: Vec<u32> =
-        (0..).zip(cell_of).filter(|(_, cell)| **cell < cells).map(|(i, _): (u32, _)| i).collect();
-    inside.sort_by_key(|i| cell_of[*i as usize]);
-    let starts =
-        (0..=cells).map(|cell| inside.partition_point(|i| cell_of[*i as usize] < cell) as u32).collect();
-    (starts, inside)
-}
-
 /// Replaces the values of a workgroup by their prefix sums in single precision, in the order of `prefix_sum` in
 /// `shaders/algorithms/workgroup.wgsl` (Sklansky 1960): what that order promises can be tested without a GPU.
 pub fn workgroup_prefix_sum(values: &mut [f32]) {

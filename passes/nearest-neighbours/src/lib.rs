@@ -1,6 +1,6 @@
 #![doc = include_str!("../README.md")]
 
-use gpu_algorithms::{Grid, reduce};
+use gpu_algorithms::{RadixSort, reduce};
 use interfaces::surface_points;
 use pass::{
     Compute, OutputContext, OutputDesc, Pass, PassTypeError, ReadSettings, RecordContext, Recording,
@@ -15,51 +15,65 @@ struct NearestNeighbours;
 /// The points among which neighbours are searched, all together.
 const SUMMARY: Struct = Struct::new("shaders/algorithms/summary.wgsl", "Summary");
 
+/// A node of the tree over them.
+const NODE: Struct = Struct::new("passes/nearest-neighbours/neighbourhood.wgsl", "Neighbourhood");
+
 /// Scratch of the reduction that makes the summary.
 const SUMMARIES: &str = "summaries";
 
-/// Pairs of points above which they are sorted into cells. With fewer, a GPU takes longer for the steps of the sort.
+/// Pairs of points above which a tree is built. With fewer, a GPU takes longer for the steps of its sort.
 const MOST_PAIRS: u64 = 2048 * 2048;
-
-/// The most cells in a direction: a search of all of their rows, in steps that at least double, takes few loop iterations.
-const MOST_CELLS: u32 = 64;
 
 /// The way in which neighbours are searched: it follows from the numbers of points and the settings.
 struct Search {
     points: u32,
     among: u32,
-    is_grid: bool,
+    is_tree: bool,
     /// Vectors of four distances of a point: a power of two.
     vectors: u32,
 }
 
 impl Search {
     fn new(settings: &Settings, points: u32, among: u32) -> Result<Search, PassTypeError> {
-        let is_grid = match settings.text("structure")? {
+        let is_tree = match settings.text("structure")? {
             "auto" => u64::from(points) * u64::from(among) > MOST_PAIRS,
-            structure => structure == "grid",
+            structure => structure == "tree",
         };
         let k = match settings.u32("k")? {
             0 => (among.isqrt() / 32).clamp(1, 32),
             k => k,
         };
-        Ok(Search { points, among, is_grid, vectors: k.div_ceil(4).next_power_of_two() })
+        Ok(Search { points, among, is_tree, vectors: k.div_ceil(4).next_power_of_two() })
     }
 
-    /// Returns how many dispatches search. Comparing all may insert all, with an iteration for each vector; cells hold few
-    /// points, unless all are in one place.
+    /// Returns how many dispatches search. Comparing all may insert all, with an iteration for each vector.
     fn parts(&self) -> u32 {
-        split_count(self.among, if self.is_grid { 1 } else { 1 + self.vectors })
+        if self.is_tree { 1 } else { split_count(self.among, 1 + self.vectors) }
     }
 
-    /// Returns the most cells in a direction. Points lie on surfaces, so there are few of them in a cell.
-    fn resolution(&self) -> u32 {
-        (f64::from(self.among) / 4.0).sqrt().clamp(1.0, f64::from(MOST_CELLS)) as u32
+    /// Returns the number of leaves that hold all neighbours.
+    fn leaves(&self, cx: &UseContext<'_>) -> Result<u32, PassTypeError> {
+        let points = cx.constant("passes/nearest-neighbours/neighbourhood.wgsl", "LEAF")?;
+        Ok(self.among.div_ceil(points).next_power_of_two())
     }
 
-    fn grid(&self) -> Grid<'static> {
-        let cells = self.resolution().pow(3);
-        Grid { length: self.among, cells, starts: "starts", indices: "order", scratch: "sort" }
+    /// Returns the sort of the neighbours along the curve, and that of the points, where they are others.
+    fn sorts(&self, own: bool) -> Vec<RadixSort<'static>> {
+        let along = |length, keys, order, scratch| RadixSort {
+            length,
+            count: None,
+            bits: 32,
+            keys,
+            values: None,
+            sorted_keys: keys,
+            sorted_values: order,
+            scratch,
+        };
+        let mut sorts = vec![along(self.among, "keys", "order", "sort")];
+        if !own {
+            sorts.push(along(self.points, "keys_of_points", "turns", "sort_of_points"));
+        }
+        sorts
     }
 }
 
@@ -88,13 +102,15 @@ impl Pass for NearestNeighbours {
             reduce::scratch(use_cx, SUMMARIES, among, use_cx.size_of(SUMMARY)?)?,
             scratch("distances", 16 * points_between * u64::from(search.vectors)),
         ]);
-        if search.is_grid {
-            let grid = search.grid();
-            outputs.extend(grid.scratch(use_cx)?);
+        if search.is_tree {
+            for sort in search.sorts(cx.input("among").is_none()) {
+                let words = 4 * u64::from(sort.length.max(1));
+                outputs.extend(sort.scratch(use_cx)?);
+                outputs.extend([scratch(sort.keys, words), scratch(sort.sorted_values, words)]);
+            }
             outputs.extend([
-                scratch("starts", grid.starts_bytes()),
-                scratch("order", grid.indices_bytes()),
                 scratch("arranged", 16 * u64::from(among.max(1))),
+                scratch("nodes", 2 * u64::from(search.leaves(use_cx)?) * use_cx.size_of(NODE)?),
             ]);
         }
         Ok(outputs)
@@ -108,21 +124,34 @@ impl Pass for NearestNeighbours {
         let use_cx = cx.use_context();
 
         let mut steps = reduce::steps(&use_cx, &cx.file("summary.wgsl"), among, SUMMARIES)?;
-        if search.is_grid {
-            let sort = cx.file("cells.wgsl");
-            steps.extend(search.grid().steps(&use_cx, &sort)?);
-            steps.push(Compute::new(sort, "arrange", Threads::Row(among)));
+        let leaves = search.leaves(&use_cx)?;
+        if search.is_tree {
+            let tree = cx.file("tree.wgsl");
+            // A step for points, or for the leaves, or for the nodes of a level.
+            let step = |entry, count: u32| {
+                Compute::new(tree.clone(), entry, Threads::Row(count.max(1))).value("count", count)
+            };
+            for sort in search.sorts(own) {
+                let place = step("place", sort.length).bind("keys", sort.keys);
+                steps.push(if sort.keys == "keys" { place } else { place.bind("among", "points") });
+                steps.extend(sort.steps(&use_cx)?);
+            }
+            steps.push(step("make_leaves", leaves));
+            let levels = std::iter::successors(Some(leaves / 2), |level| Some(level / 2));
+            let levels = levels.take_while(|level| *level > 0);
+            steps.extend(levels.map(|level| step("make_level", level)));
         }
         let shader = cx.file("nearest-neighbours.wgsl");
         let shader =
-            shader.define("GRID", search.is_grid).define("SELF", own).define("VECTORS", search.vectors);
+            shader.define("TREE", search.is_tree).define("SELF", own).define("VECTORS", search.vectors);
         steps.extend((0..search.parts()).map(|part| {
-            Compute::new(shader.clone(), "search", Threads::Row(search.points))
+            let step = Compute::new(shader.clone(), "search", Threads::Row(search.points))
                 .value("part", part)
-                .value("parts", search.parts())
+                .value("parts", search.parts());
+            if search.is_tree && own { step.bind("turns", "order") } else { step }
         }));
         let of_neighbours = |step: Compute| {
-            let step = step.value("among_count", among).value("resolution", search.resolution());
+            let step = step.value("among_count", among).value("leaves", leaves);
             if own { step.bind("among", "points") } else { step }
         };
         Ok(Recording::of(steps.into_iter().map(of_neighbours)))

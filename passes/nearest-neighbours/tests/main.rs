@@ -84,9 +84,9 @@ fn assert_near(found: &[f32], expected: &[f64], case: &str) {
 /// The densities, which both structures give to the bit.
 fn both(harness: impl Fn() -> Harness<'static>) -> Option<Vec<f32>> {
     let pairs = run(harness().set("structure", "pairs"))?;
-    let grid = run(harness().set("structure", "grid"))?;
+    let tree = run(harness().set("structure", "tree"))?;
     let bits = |densities: &[f32]| densities.iter().map(|p| p.to_bits()).collect::<Vec<u32>>();
-    let differ = std::iter::zip(bits(&pairs), bits(&grid)).filter(|(a, b)| a != b).count();
+    let differ = std::iter::zip(bits(&pairs), bits(&tree)).filter(|(a, b)| a != b).count();
     assert_eq!(differ, 0, "of {} densities", pairs.len());
     Some(pairs)
 }
@@ -183,38 +183,57 @@ fn sides_of_a_wall_count_apart() {
     }
 }
 
-/// The owner of each point by definition: what is nearest, of equals the first, whether or not it is in the same place.
-fn owners_by_definition(points: &[SurfacePoint], among: &[SurfacePoint]) -> Vec<u32> {
+/// The owner of each point by definition: what is nearest, of equals the first, whether or not it is in the same place; with
+/// `sides`, of those that face the same way.
+fn owners_by_definition(points: &[SurfacePoint], among: &[SurfacePoint], sides: bool) -> Vec<u32> {
     let of = |point: &SurfacePoint| {
+        let faces = |other: &SurfacePoint| {
+            !sides || std::iter::zip(point.normal, other.normal).map(|(a, b)| a * b).sum::<f32>() > 0.5
+        };
         let squared = |other: &SurfacePoint| -> f32 {
             (0..3).map(|axis| (other.position[axis] - point.position[axis]).powi(2)).sum()
         };
-        let others = among.iter().enumerate().filter(|(_, other)| !other.is_none());
+        let others = among.iter().enumerate().filter(|(_, other)| !other.is_none() && faces(other));
         let nearest = others.min_by(|(_, a), (_, b)| squared(a).total_cmp(&squared(b)));
         nearest.filter(|_| !point.is_none()).map_or(u32::MAX, |(index, _)| index as u32)
     };
     points.iter().map(of).collect()
 }
 
-/// Also where many are equally near, and where neighbours take several dispatches.
+/// Also where many are equally near, where many or all are in one place, and where neighbours take several dispatches. Normals are
+/// along axes; nothing among the last faces upwards.
 #[test]
 fn owners_are_the_nearest() {
     let coarse = |count, seed| -> Vec<SurfacePoint> {
         let mut points = scattered(count, seed);
-        points.iter_mut().for_each(|point| point.position = point.position.map(|x| (x * 8.0).round() / 8.0));
+        for (i, point) in points.iter_mut().enumerate() {
+            point.position = point.position.map(|x| (x * 8.0).round() / 8.0);
+            point.normal = [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]][i % 4];
+        }
         points
     };
-    for (queries, count) in [(300, 1), (700, 900), (300, 40_000)] {
-        let (points, among) = (coarse(queries, 1), coarse(count, 2));
-        for (structure, k) in [("pairs", 1), ("grid", 1), ("grid", 6)] {
-            let harness = harness(&points, Some(&among)).set("structure", structure).set("k", k);
-            let Some(outputs) = harness.set("owners", true).run() else { return };
-            let found: Vec<u32> = outputs.read("owners");
-            assert_eq!(
-                found[..points.len()],
-                owners_by_definition(&points, &among),
-                "{queries} of {count}, {structure}"
-            );
+    let in_one_place = |count: usize| vec![coarse(2, 2)[1]; count];
+    let upwards: Vec<SurfacePoint> = scattered(300, 1);
+    for (points, among) in [
+        (coarse(300, 1), coarse(1, 2)),
+        (coarse(700, 1), coarse(900, 2)),
+        (coarse(300, 1), coarse(40_000, 2)),
+        (coarse(300, 1), in_one_place(3000)),
+        (upwards, coarse(40_000, 2)),
+    ] {
+        for (structure, k) in [("pairs", 1), ("tree", 1), ("tree", 6)] {
+            for sides in [false, true] {
+                let harness = harness(&points, Some(&among)).set("structure", structure).set("k", k);
+                let Some(outputs) = harness.set("owners", true).set("sides", sides).run() else { return };
+                let found: Vec<u32> = outputs.read("owners");
+                assert_eq!(
+                    found[..points.len()],
+                    owners_by_definition(&points, &among, sides),
+                    "{} of {}, {structure}, sides: {sides}",
+                    points.len(),
+                    among.len()
+                );
+            }
         }
     }
 }
@@ -295,7 +314,7 @@ fn k_grows_with_the_root_of_the_count() {
 fn measurement() {
     for (queries, count) in [(2048, 2048), (8192, 8192), (32_768, 2048), (32_768, 32_768)] {
         let (points, among) = (square(queries, 1), square(count, 2));
-        for structure in ["pairs", "grid"] {
+        for structure in ["pairs", "tree"] {
             let timed = |frames: u32| {
                 let harness = harness(&points, Some(&among)).set("structure", structure).frames(frames);
                 let begin = std::time::Instant::now();

@@ -1,7 +1,7 @@
 //! The algorithms against their CPU references: no elements, one, 2ⁿ ± 1, within a block and across many.
 
 mod bench;
-mod grids;
+mod curves;
 mod parts;
 mod reductions;
 mod scans;
