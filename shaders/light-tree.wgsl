@@ -26,8 +26,12 @@ fn cosine_of_difference(cosine: f32, less: f32) -> f32 {
     return cosine * less + sqrt(max((1.0 - cosine * cosine) * (1.0 - less * less), 0.0));
 }
 
-/// Estimate of the irradiance at a point by the lights of a node, without shadows [W/m²]. It is above 0 wherever one of them gives
-/// light to the point, which has that unit normal.
+/// What is added to the estimate for a node: in x of the flux of its lights on surfaces [1/m²], in y of the irradiance by those
+/// infinitely far. With numbers above 0, lights that give nothing to a point are chosen too.
+var<private> light_floor: vec2<f32>;
+
+/// Estimate of the irradiance at a point by the lights of a node, without shadows [W/m²], and the floor. It is above 0 wherever one of
+/// them gives light to the point, which has that unit normal.
 fn light_importance(node: LightNode, at: vec3<f32>, normal: vec3<f32>) -> f32 {
     var importance = 0.0;
     if node.flux > 0.0 {
@@ -46,11 +50,11 @@ fn light_importance(node: LightNode, at: vec3<f32>, normal: vec3<f32>) -> f32 {
         let along = select(emitted / max(farthest, 1e-15), emitted * per_distance, emitted >= 0.0);
         let cosine = cosine_of_difference(clamp(along, -1.0, 1.0), node.cosine);
         let cosines = max(min(received * per_distance, 1.0) + LEAST_COSINE, 0.0) * max(cosine + LEAST_COSINE, 0.0);
-        importance = node.flux * cosines / (PI * bounded2);
+        importance = node.flux * (cosines / (PI * bounded2) + light_floor.x);
     }
     if node.far > 0.0 {
         let cosine = cosine_of_difference(clamp(-dot(normal, node.axis), -1.0, 1.0), node.cosine);
-        importance += node.far * max(cosine + LEAST_COSINE, 0.0);
+        importance += node.far * (max(cosine + LEAST_COSINE, 0.0) + light_floor.y);
     }
     // The sum of two of them is a number.
     return min(importance, 1e37);

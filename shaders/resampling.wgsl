@@ -25,6 +25,12 @@ struct Receiver {
     normal: vec3<f32>,
 }
 
+/// Returns the geometry term of a light at the scene's dense extent, which it faces [1/m²].
+fn term_at_extent() -> f32 {
+    let extent2 = scene_info.dense_extent * scene_info.dense_extent;
+    return select(1.0 / (PI * extent2), 0.0, extent2 == 0.0);
+}
+
 /// Returns the target of a light at a receiver, but for the guess of its visibility: the luminance of the bounded irradiance
 /// [W/m²], and the least that counts.
 fn contribution(by: Target, light: VirtualLight, receiver: Receiver) -> f32 {
@@ -34,9 +40,7 @@ fn contribution(by: Target, light: VirtualLight, receiver: Receiver) -> f32 {
     let offset = receiver.at - light.position;
     let least = by.bound * by.bound * light.area;
     let term = bounded_geometry(offset, light.normal, receiver.normal, 1e-6 * scene_info.extent, least, 0.0).x;
-    let extent2 = scene_info.dense_extent * scene_info.dense_extent;
-    let far = select(1.0 / (PI * extent2), 0.0, extent2 == 0.0);
-    return weight_of(luminance(light.flux) * (term + by.least * far));
+    return weight_of(luminance(light.flux) * (term + by.least * term_at_extent()));
 }
 
 /// Returns the share of a in the sum of a and b, which are not negative.

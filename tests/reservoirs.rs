@@ -73,6 +73,7 @@ fn walks(renderer: &mut Renderer, frame: u32, cut: bool) {
 fn what_pixels_choose_has_the_energy_of_all_lights() {
     let still = ["most=0.0", "neighbours=0"];
     assert_same_energy("alone", &still, "cornell-box", nothing_moves);
+    assert_same_energy("by the tree", &[&still[..], &["tree=true"]].concat(), "cornell-box", nothing_moves);
     assert_same_energy("guessed", &[&still[..], &["guess=true"]].concat(), "cornell-box", nothing_moves);
     assert_same_energy("with pixels around", &["most=0.0"], "cornell-box", nothing_moves);
 }

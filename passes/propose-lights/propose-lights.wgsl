@@ -5,6 +5,8 @@
 
 #input view: GBuffer // The pixels for which lights are chosen.
 #input lights: VirtualLights // The lights.
+#input tree: LightTree optional // A tree over the lights: with it, candidates are chosen down the tree, nearly in proportion to what they
+    // give to the pixel without occluders. They cost more, and fewer are needed.
 #input visibility: Visibility optional // Guess of the visibility of the lights; without it, the target has none.
 #output reservoirs: Reservoirs(
     count: view.width * view.height * settings.per_pixel,
@@ -14,8 +16,10 @@
     doubt: settings.doubt,
 ) // The lights that were chosen.
 
-#option PROPOSAL power one_of [power, uniform] // How candidates are chosen. power: in proportion to the luminance of their flux.
-    // uniform: all alike, which is the same where the lights were sampled by their importance or their flux.
+#option PROPOSAL power one_of [power, uniform] // How candidates are chosen where there is no tree. power: in proportion to the
+    // luminance of their flux. uniform: all alike, which is in proportion to their importance or their flux where the lights were
+    // sampled by that.
+#option TREE false // whether there is a tree over the lights
 #option VISIBILITY false // whether something guesses which lights are seen
 
 #import "camera.wgsl"
@@ -23,7 +27,9 @@
 #import "random.wgsl"
 #import "resampling.wgsl"
 #import "view-place.wgsl"
-#if PROPOSAL == power
+#if TREE
+#import "light-tree.wgsl"
+#elif PROPOSAL == power
 #import "cumulative-choice.wgsl"
 #endif
 #if VISIBILITY
@@ -64,7 +70,22 @@ struct Proposal {
     probability: f32,
 }
 
-#if PROPOSAL == power
+/// A number in a stratum of [0, 1), below 1 also where it is rounded.
+fn number_in(stratum: u32, bits: u32) -> f32 {
+    return min((f32(stratum) + unit_float(bits)) / f32(settings.candidates), 0.99999994);
+}
+
+#if TREE
+fn propose(count: u32, stratum: u32, bits: u32, receiver: Receiver) -> Proposal {
+    let width = 0xffffffffu / settings.candidates;
+    let choice = choose_light(receiver.at, receiver.normal, stratum * width + multiply_high(bits, width));
+    return Proposal(choice.index, choice.probability);
+}
+
+fn is_dark(count: u32) -> bool {
+    return tree.count == 0u;
+}
+#elif PROPOSAL == power
 /// Sums of the luminance of the lights' flux.
 var<storage, read> power_sums: array<f32>;
 
@@ -76,8 +97,8 @@ fn cumulated(which: Distribution, i: u32) -> f32 {
     return power_sums[i];
 }
 
-fn propose(count: u32, number: f32) -> Proposal {
-    let choice = choose(Distribution(0u), count, number);
+fn propose(count: u32, stratum: u32, bits: u32, receiver: Receiver) -> Proposal {
+    let choice = choose(Distribution(0u), count, number_in(stratum, bits));
     return Proposal(choice.index, choice.probability);
 }
 
@@ -85,8 +106,8 @@ fn is_dark(count: u32) -> bool {
     return count == 0u || power_sums[max(count, 1u) - 1u] <= 0.0;
 }
 #else
-fn propose(count: u32, number: f32) -> Proposal {
-    return Proposal(min(u32(number * f32(count)), count - 1u), 1.0 / f32(count));
+fn propose(count: u32, stratum: u32, bits: u32, receiver: Receiver) -> Proposal {
+    return Proposal(min(u32(number_in(stratum, bits) * f32(count)), count - 1u), 1.0 / f32(count));
 }
 
 fn is_dark(count: u32) -> bool {
@@ -97,7 +118,7 @@ fn is_dark(count: u32) -> bool {
 /// Chooses a light for a reservoir. The dispatches before leave the choice so far in the reservoir, with the sum in place of the
 /// weight. [threads: view.width * view.height * settings.per_pixel, items: settings.candidates, iterations: 1 + visibility.iterations]
 @compute @workgroup_size(64)
-fn choose_light(row: Row) {
+fn resample(row: Row) {
     let index = index_in(row, 64u);
     let pixel = pixel_of_reservoir(index, settings.per_pixel, settings.view_size.x);
     if pixel.y >= settings.view_size.y {
@@ -112,6 +133,10 @@ fn choose_light(row: Row) {
     }
     let receiver = Receiver(place.at, place.normal);
     let by = Target(settings.bound, settings.least);
+#if TREE
+    // So the tree can choose any light, as the target asks.
+    light_floor = vec2(settings.least * term_at_extent(), settings.least);
+#endif
     var choice = Resampling(no_light(0.0), 0.0, 0.0);
     if settings.begin > 0u {
         let before = reservoirs.reservoirs[index];
@@ -120,8 +145,10 @@ fn choose_light(row: Row) {
     let key = hash2(settings.seed, index);
     let end = min(settings.end, settings.candidates);
     for (var i = settings.begin; i < end; i++) {
-        let number = (f32(i) + unit_float(hash2(key, 2u * i))) / candidates;
-        let proposal = propose(count, min(number, 0.99999994));
+        let proposal = propose(count, i, hash2(key, 2u * i), receiver);
+        if proposal.probability <= 0.0 {
+            continue;
+        }
         let light = lights.lights[proposal.index];
         var guess = 1.0;
 #if VISIBILITY

@@ -6,13 +6,14 @@ use pass::{OutputDesc, Outputs, PassTypeError, ReadSettings, RecordContext, Reco
 
 pass::from_wgsl!(outputs, record);
 
-fn is_by_power(settings: &Settings) -> Result<bool, PassTypeError> {
-    Ok(settings.text("proposal")? == "power")
+/// Whether candidates are chosen by sums of the lights' flux.
+fn is_by_power(settings: &Settings, has_tree: bool) -> Result<bool, PassTypeError> {
+    Ok(!has_tree && settings.text("proposal")? == "power")
 }
 
 fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
     let mut outputs = cx.declared()?;
-    if is_by_power(cx.settings)? {
+    if is_by_power(cx.settings, cx.input("tree").is_some())? {
         outputs.push(OutputDesc::scratch_u32("power_sums", cx.fact("lights", virtual_lights::COUNT)?.max(1)));
     }
     Ok(outputs)
@@ -20,7 +21,7 @@ fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
 
 fn record(cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
     let mut recording = Recording::default();
-    if is_by_power(cx.settings)? {
+    if is_by_power(cx.settings, cx.connected("tree"))? {
         recording = recording.then(segmented_scan(&cx.file("cumulate.wgsl"), 1, 1));
     }
     recording.steps.extend(reflected::record(cx)?.steps);

@@ -23,11 +23,28 @@ fn every_variant_of_the_shaders_is_valid() {
     pass_test::assert_shaders_are_valid(PASS);
 }
 
+/// The pass with a way in which it chooses candidates.
+fn proposing<'a>(by: &str, lights: &[VirtualLight], candidates: u32) -> Harness<'a> {
+    let harness = harness(lights, candidates);
+    if by == "tree" { harness.light_tree(lights) } else { harness.set("proposal", by) }
+}
+
+/// Also that of a light below the plane, which another pixel might need.
 #[test]
 fn weights_are_unbiased_for_any_number_of_candidates() {
-    let lights = lights();
-    for (proposal, candidates) in [("power", 1), ("power", 3), ("uniform", 2), ("uniform", 16)] {
-        let Some(found) = choose(harness(&lights, candidates).set("proposal", proposal)) else { return };
+    let mut lights = lights();
+    let texel = lights.len() as u32;
+    lights.push(VirtualLight {
+        position: [0.1, -0.4, 0.2],
+        normal: [0.0, 1.0, 0.0],
+        texel,
+        flux: [20.0; 3],
+        ..lights[0]
+    });
+    for (by, candidates) in
+        [("power", 1), ("power", 3), ("uniform", 2), ("uniform", 16), ("tree", 1), ("tree", 3), ("tree", 16)]
+    {
+        let Some(found) = choose(proposing(by, &lights, candidates)) else { return };
         assert!(found.iter().all(|reservoir| reservoir.count == candidates as f32));
         assert_unbiased(&found, lights.len() as u32);
     }
@@ -36,10 +53,12 @@ fn weights_are_unbiased_for_any_number_of_candidates() {
 #[test]
 fn many_candidates_follow_the_target() {
     let lights = lights();
-    let Some(found) = choose(harness(&lights, 512)) else { return };
     let shares = shares(&lights, [0.0; 3], [0.0, 1.0, 0.0]);
     let expected: Vec<f64> = shares.iter().map(|share| share * f64::from(SIDE * SIDE)).collect();
-    assert_follows(&counts(&found, lights.len()), &expected);
+    for by in ["power", "tree"] {
+        let Some(found) = choose(proposing(by, &lights, 512)) else { return };
+        assert_follows(&counts(&found, lights.len()), &expected);
+    }
 }
 
 /// A guess moves choices to the lights that seem to be seen, and no sum. Where it takes long, candidates are divided among dispatches.
@@ -73,11 +92,11 @@ fn without_light_nothing_is_chosen() {
     let mut dark = lights();
     dark.iter_mut().for_each(|light| light.flux = [0.0; 3]);
     let one = &lights()[..1];
-    for proposal in ["power", "uniform"] {
+    for by in ["power", "uniform", "tree"] {
         for (lights, weight) in [(&dark[..], 0.0), (&[], 0.0), (one, 1.0)] {
-            let Some(found) = choose(harness(lights, 4).set("proposal", proposal)) else { return };
+            let Some(found) = choose(proposing(by, lights, 4)) else { return };
             let off = found.iter().find(|r| (r.weight - weight).abs() > 1e-5 || r.count != 4.0);
-            assert!(off.is_none(), "{proposal}: {off:?}");
+            assert!(off.is_none(), "{by}: {off:?}");
         }
     }
 }
