@@ -45,7 +45,7 @@ fn surface_sample(wanted: SamplesWanted, index: u32) -> SurfaceSample {
     let triangle = triangle_at(number, points.starts[guide], points.starts[guide + 1u]);
     let start = points.starts[triangle];
     let width = points.starts[triangle + 1u] - start;
-    let second = scramble(reverseBits(place.stratum), hash2(points_facts.seed, place.map));
+    let second = scramble(reverseBits(place.stratum), hash2(points_facts.seed, place.map + wanted.turn * wanted.maps));
     let at = triangle_from_square(vec2(min((f32(number - start) + 0.5) / f32(width), 1.0), unit_float(second)));
 
     let edges = triangle_of_scene(triangle);

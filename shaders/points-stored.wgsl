@@ -1,5 +1,5 @@
 // Points that are stored in a buffer. Each map takes the next run of them, and starts again at the first after the
-// last: a fixed subset, and a uniform one.
+// last: a fixed subset, and a uniform one. So does each turn.
 
 #import "points.wgsl"
 #import "scene.wgsl"
@@ -20,7 +20,8 @@ fn samples_requested() -> u32 {
 
 /// Sample `index` of those of all maps. Neighbours belong to the same map.
 fn surface_sample(wanted: SamplesWanted, index: u32) -> SurfaceSample {
-    let point = points[index % points_facts.count];
+    let number = index + wanted.turn * wanted.maps * wanted.per_map;
+    let point = points[number % points_facts.count];
     // Each stands for the same area: the area of the scene over the number of samples of one map. Where the surface is cut
     // out, there is none.
     let area = select(scene_info.area / f32(wanted.per_map), 0.0, all(point.normal == vec3(0.0)));

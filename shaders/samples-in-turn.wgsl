@@ -50,5 +50,7 @@ fn place_of_sample(wanted: SamplesWanted, index: u32, requested: u32, step: vec2
     }
     let between = select(vec2(wanted.step_whole, wanted.step_fraction), step, requested < all);
     let number = place * between.x + multiply_high(place, between.y) + between.x / 2u;
-    return PlaceOfSample(true, map, stratum, number, f32(between.x) + f32(between.y) * exp2(-32.0));
+    // Each turn has all samples somewhere else between two of a map, by van der Corput's sequence.
+    let shift = multiply_high(reverseBits(wanted.turn), 0x80000000u / wanted.per_map);
+    return PlaceOfSample(true, map, stratum, (number + shift) & 0x7fffffffu, f32(between.x) + f32(between.y) * exp2(-32.0));
 }

@@ -59,7 +59,7 @@ fn chosen(
         let cosine = abs(select(dot(point.normal, offset) * inverseSqrt(squared), dot(point.normal, light.normal), is_far));
         let weight = point.area / select(squared + point.area, 1.0, is_far) * mix(0.1, 1.0, cosine);
         sum += weight;
-        if unit_float(hash2(index, i)) * sum <= weight {
+        if unit_float(hash2(index, i + samples.turn * candidates)) * sum <= weight {
             splat = Splat(point, local, sample);
             share = weight;
         }
@@ -82,6 +82,8 @@ struct Surfel {
     /// The sides of its triangle: see map_homogeneous.
     edges: mat3x3<f32>,
     triangle: u32,
+    /// [m²]
+    triangle_area: f32,
     /// Whether its triangle is smaller than the surface for which the point stands; then it is the disc.
     is_small: bool,
     /// How far its image reaches along x and y of the map [px].
@@ -89,8 +91,10 @@ struct Surfel {
 }
 
 /// Returns the surfel of a splat in a map of a light with `tile` texels along a side; `scale` is a factor on its radius, and
-/// `side` its greatest side [px].
-fn surfel_of(splat: Splat, light: VirtualLight, frame: mat3x3<f32>, tile: u32, scale: f32, side: f32) -> Surfel {
+/// `side` its greatest side [px]. Where points fell into the map before, `share` is that of this frame's in all.
+fn surfel_of(
+    splat: Splat, light: VirtualLight, frame: mat3x3<f32>, tile: u32, scale: f32, side: f32, share: f32,
+) -> Surfel {
     let local = splat.local;
     let area = splat.point.area;
     let distance = map_distance(light.kind, local);
@@ -106,8 +110,9 @@ fn surfel_of(splat: Splat, light: VirtualLight, frame: mat3x3<f32>, tile: u32, s
     surfel.normal = splat.point.normal * frame;
     surfel.height = dot(surfel.normal, local);
     surfel.local = local;
-    surfel.is_small = normal_and_area(triangle.a, triangle.b).w < area;
-    surfel.radius = select(LARGE_RADIUS, SMALL_RADIUS, surfel.is_small) * scale * sqrt(area);
+    surfel.triangle_area = normal_and_area(triangle.a, triangle.b).w;
+    surfel.is_small = surfel.triangle_area < area * share;
+    surfel.radius = scale * sqrt(area) * select(LARGE_RADIUS, SMALL_RADIUS * sqrt(share), surfel.is_small);
     surfel.edges = mat3x3(cross(b, c), cross(c, a), cross(a, b));
     surfel.triangle = splat.point.triangle;
     // In an orthographic map, x and y are the same directions everywhere, as in the middle of a paraboloid one.
@@ -116,21 +121,29 @@ fn surfel_of(splat: Splat, light: VirtualLight, frame: mat3x3<f32>, tile: u32, s
     return surfel;
 }
 
-/// The distance at which the ray of a map meets a surfel [m]; negative where it does not.
-fn distance_to_surfel(surfel: Surfel, ray: MapRay) -> f32 {
+/// Where the ray of a map meets a surfel.
+struct SurfelHit {
+    /// [m]; negative where it does not.
+    distance: f32,
+    /// Whether the ray meets its triangle, not only the disc.
+    is_of_triangle: bool,
+}
+
+/// Returns where the ray of a map meets a surfel.
+fn meet_surfel(surfel: Surfel, ray: MapRay) -> SurfelHit {
     let times = (surfel.height - dot(surfel.normal, ray.origin)) / dot(surfel.normal, ray.direction);
     let met = ray.origin + times * ray.direction;
     let off = met - surfel.local;
     let distance = times * ray.length;
     // Rays of texels that only touch the disc point below the horizon.
-    var is_met = distance > 0.0 && dot(off, off) <= surfel.radius * surfel.radius && above_horizon(met, scene_info.extent);
-    if is_met && !surfel.is_small {
-        // On which side of each edge the ray passes: in proportion to the weights of the opposite corners.
-        let sides = ray.image * surfel.edges;
-        is_met = (all(sides >= vec3(0.0)) || all(sides <= vec3(0.0)))
-            && triangle_exists(surfel.triangle, sides.yz / (sides.x + sides.y + sides.z));
+    if !(distance > 0.0) || dot(off, off) > surfel.radius * surfel.radius || !above_horizon(met, scene_info.extent) {
+        return SurfelHit(-1.0, false);
     }
-    return select(-1.0, distance, is_met);
+    // On which side of each edge the ray passes: in proportion to the weights of the opposite corners.
+    let sides = ray.image * surfel.edges;
+    let is_of_triangle = (all(sides >= vec3(0.0)) || all(sides <= vec3(0.0)))
+        && triangle_exists(surfel.triangle, sides.yz / (sides.x + sides.y + sides.z));
+    return SurfelHit(select(-1.0, distance, surfel.is_small || is_of_triangle), is_of_triangle);
 }
 
 /// How far the image of a disc reaches along x and y of the square, over that of a disc across the ray. The map is conformal: x

@@ -1,9 +1,9 @@
 //! Pictures whose frames are samples of them: what differs between frames, what they converge to, and when they begin again.
 
-use crate::adapter::{bits, done, renderer, root, set};
+use crate::adapter::{bits, done, rel_mse, renderer, root, set};
 use frame_graph::Value;
 use glam::Vec3;
-use metrics::{Epsilon, Image, Pair};
+use metrics::Pair;
 use renderer::Renderer;
 
 const SIZE: (u32, u32) = (48, 48);
@@ -21,10 +21,6 @@ fn with_fine_edges(frames: &str) -> Option<Renderer> {
 
 fn step(renderer: &Renderer) -> u32 {
     renderer.progress().unwrap().expect("the pipeline reports its progress").step
-}
-
-fn rel_mse(image: &Image, reference: &Image) -> f64 {
-    Pair::new(image, reference).unwrap().rel_mse(Epsilon::default()).unwrap()
 }
 
 #[test]

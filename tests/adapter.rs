@@ -1,7 +1,7 @@
 //! Shared by the tests: one device a process, and renderers on small frames.
 
 use frame_graph::Overrides;
-use metrics::Image;
+use metrics::{Epsilon, Image, Pair};
 use renderer::{Assets, Catalog, Gpu, Renderer, parse_value};
 use std::cell::OnceCell;
 use std::ops::ControlFlow;
@@ -109,6 +109,11 @@ pub(crate) const SMALL: &[&str] = &["lights=64", "map=32", "rsm.size=64"];
 /// The bits of a picture.
 pub(crate) fn bits(image: &Image) -> Vec<[u32; 4]> {
     image.pixels().iter().map(|pixel| pixel.map(f32::to_bits)).collect()
+}
+
+/// The squared error of a picture, relative to a reference.
+pub(crate) fn rel_mse(image: &Image, reference: &Image) -> f64 {
+    Pair::new(image, reference).unwrap().rel_mse(Epsilon::default()).unwrap()
 }
 
 /// The mean of the red, green and blue of a picture.

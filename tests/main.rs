@@ -17,6 +17,7 @@ mod errors;
 #[cfg(unix)]
 mod external;
 mod faults;
+mod filling;
 mod flux;
 mod frames;
 mod glossy;

@@ -1,6 +1,6 @@
 //! Pictures that go on from frame to frame while the camera moves: where pixels were, what it brings, and what ends it.
 
-use crate::adapter::{bits, done, energy, renderer};
+use crate::adapter::{bits, done, energy, rel_mse, renderer};
 use bytemuck::{Pod, pod_collect_to_vec};
 use glam::{DVec3, Vec3, dvec2};
 use metrics::{Epsilon, Image, Pair};
@@ -114,7 +114,7 @@ fn at_rest_the_picture_converges_and_stands() {
     done(&mut mean);
     let truth = indirect(&mean);
     let error = |renderer: &Renderer| {
-        Pair::new(&indirect(renderer), &truth).unwrap().rel_mse(Epsilon::default()).unwrap()
+        rel_mse(&indirect(renderer), &truth)
     };
     renderer.frame().unwrap();
     let first = error(&renderer);

@@ -11,6 +11,7 @@ pub mod counters;
 pub mod density;
 pub mod depth_atlas;
 pub mod display;
+pub mod filling_maps;
 pub mod frame_mean;
 pub mod gbuffer;
 pub mod importance;
@@ -53,6 +54,7 @@ pub static INTERFACES: &[Interface] = &[
     radiosity::INTERFACE,
     points::INTERFACE,
     depth_atlas::INTERFACE,
+    filling_maps::INTERFACE,
     visibility::INTERFACE,
     stands::INTERFACE,
     reservoirs::INTERFACE,

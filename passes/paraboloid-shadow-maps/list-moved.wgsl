@@ -4,7 +4,6 @@
 #import "algorithms/workgroup.wgsl"
 #import "kept.wgsl"
 #import "stands.wgsl"
-#import "virtual-lights.wgsl"
 
 struct Settings {
     lights_count: u32,
@@ -24,13 +23,6 @@ var<storage, read_write> moved: array<u32>;
 var<storage, read_write> begins: array<u32>;
 var<storage, read_write> draws: array<LayerDraws>;
 
-/// Whether a light stands where it did: to the bit, since any difference moves edges of shadows.
-fn is_same(a: Stand, b: Stand) -> bool {
-    return a.is_rendered == b.is_rendered
-        && all(bitcast<vec3<u32>>(a.position) == bitcast<vec3<u32>>(b.position))
-        && all(bitcast<vec3<u32>>(a.normal) == bitcast<vec3<u32>>(b.normal));
-}
-
 @compute @workgroup_size(GROUP_SIZE)
 fn list(@builtin(local_invocation_index) thread: u32) {
     var before = 0u;
@@ -42,14 +34,12 @@ fn list(@builtin(local_invocation_index) thread: u32) {
             let index = block + thread;
             var has_moved = false;
             if index < end {
-                var stand = Stand(vec3(0.0), 0u, vec3(0.0, 0.0, 1.0), 0u);
-                // A dark light has no map, until it shines.
-                if index < lights.count && any(lights.lights[index].flux != vec3(0.0)) {
-                    stand.is_rendered = 1u;
-                    stand.position = lights.lights[index].position;
-                    stand.normal = lights.lights[index].normal;
+                var light: VirtualLight;
+                if index < lights.count {
+                    light = lights.lights[index];
                 }
-                has_moved = !is_same(stand, rendered.stands[index]);
+                let stand = stand_of(light);
+                has_moved = !is_same_stand(stand, rendered.stands[index]);
                 stands.stands[index] = stand;
             }
             let ranks = prefix_sum_u32(thread, select(0u, 1u, has_moved));

@@ -106,7 +106,7 @@ fn splat(row: Row) {
     }
     let tile = settings.map;
     // DEVIATION(surfel): the paper draws shaded squares.
-    var surfel = surfel_of(splat, light, frame, tile, settings.splat_scale, f32(tile));
+    var surfel = surfel_of(splat, light, frame, tile, settings.splat_scale, f32(tile), 1.0);
     let from_light = map_distance(light.kind, splat.local);
     // The image of a triangle that comes near the light is far larger than that of a small disc: from a corner, a wall is half of
     // what is seen.
@@ -117,7 +117,7 @@ fn splat(row: Row) {
     let texels = texels_about(centre, surfel.reach, tile);
     for (var i = 0u; i < texels.size.x * texels.size.y; i++) {
         let texel = texels.first + vec2(i % texels.size.x, i / texels.size.x);
-        let distance = distance_to_surfel(surfel, map_ray(light.kind, texel_centre(texel, tile)));
+        let distance = meet_surfel(surfel, map_ray(light.kind, texel_centre(texel, tile))).distance;
         if distance < 0.0 {
             continue;
         }

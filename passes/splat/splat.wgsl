@@ -12,6 +12,8 @@
 
 #input points: Points // The points to splat.
 #input lights: VirtualLights // The lights: one map each, over the hemisphere around its normal.
+#input past: FillingMaps optional // With `keep`, `prev` of the output `kept`, reset by `Scene`, `Reload`, `Setting` and `Moved`.
+#input rendered: Stands optional // With `keep`, `prev` of the output `stands`, reset by the same.
 #output depth: DepthAtlas(
     count: lights.count,
     tile: settings.map,
@@ -26,11 +28,21 @@
 #option KERNEL surfel one_of [box, surfel] // What a splat covers. box: a square, at one distance (ISM §3.2). surfel: the texels
     // whose rays meet the point's triangle, no farther from the point than the surface that it stands for; takes longer.
 #option MASKED false // whether triangles do not count where alpha is below their material's cutoff
+#option KEEP false // Whether the maps of lights that stay go on filling: each frame adds other points, so a map comes nearer to an
+    // exact one. Where geometry moves, all begin anew. It needs the links `past` and `rendered`.
+#if KEEP
+#output kept: FillingMaps continues past // The maps for the next frame.
+#output stands: Stands(count: lights.count) // Where the lights stand whose maps these are.
+#endif
 
 #import "counters.wgsl"
 #import "dispatch.wgsl"
 #import "surfel.wgsl"
 #import interface "points"
+#if KEEP
+#import "filling-maps.wgsl"
+#import "stands.wgsl"
+#endif
 
 struct Settings {
     /// Side of a map (ISM uses 128 and 256). Larger: sharper shadows, but more time. [default: 64, min: 1, max: 512, unit:
@@ -58,6 +70,9 @@ struct Settings {
     /// Factor on the bias of the depth test that these maps need. Surfaces shadow themselves less and light leaks more with
     /// it. [default: 1.0, min: 0.0]
     depth_bias: f32,
+    /// Frames over which a map goes on filling with `keep`; then it is done, and takes no time. More: less light that leaks where
+    /// nothing moves, but more time until maps are done. [default: 64, min: 1, max: 65536]
+    frames: u32,
     /// Points of all maps that were requested.
     wanted: u32,
     /// The first of the maps that are bound.
@@ -67,6 +82,11 @@ struct Settings {
     /// The splats of these maps: from the first to before the end, where their number is padded to whole blocks.
     first: u32,
     end: u32,
+#if KEEP
+    lights_count: u32,
+    /// Frames since there are maps of the frame before.
+    rendered_age: u32,
+#endif
     @align(16) samples: SamplesWanted,
 }
 
@@ -77,13 +97,92 @@ var<storage, read_write> depth: array<atomic<u32>>;
 /// The same buffer, as vectors of four texels.
 var<storage, read_write> cleared: array<vec4<u32>>;
 var<storage, read_write> counters: Counters;
+#if KEEP
+/// [count: lights.count * settings.map * settings.map]
+var<storage, read_write> kept: array<u32>;
+/// What there was before this frame's points.
+var<storage, read> there: array<u32>;
+var<storage, read> rendered: Stands;
+var<storage, read_write> stands: Stands;
+#endif
 
-/// Four texels per thread are set to +∞, that is, empty. One thread writes the counters.
+/// The distance of an empty texel, +∞.
+const EMPTY: u32 = 0x7f800000u;
+
+#if KEEP
+/// Frames in which points fell into a map before.
+fn frames_before(map: u32) -> u32 {
+    if map >= min(lights.count, settings.lights_count) {
+        return 0u;
+    }
+    let past = rendered.stands[map];
+    return select(0u, past.frames, is_same_stand(stand_of(lights.lights[map]), past));
+}
+
+/// Writes where the light of each map stands.
+@compute @workgroup_size(64)
+fn note_stands(row: Row) {
+    let map = index_in(row, 64u);
+    if map < settings.lights_count {
+        var light: VirtualLight;
+        if map < lights.count {
+            light = lights.lights[map];
+        }
+        var stand = stand_of(light);
+        stand.frames = select(0u, min(frames_before(map) + 1u, settings.frames), stand.is_rendered == 1u);
+        stands.stands[map] = stand;
+    }
+}
+
+/// What the frame before leaves of a texel.
+fn texel_after(texel: u32, map: u32) -> u32 {
+    let before = frames_before(map);
+    let is_over = before == 0u || (before < settings.frames && is_outdated(texel, before));
+    return select(texel, EMPTY, is_over);
+}
+
+/// Copies what is kept.
+@compute @workgroup_size(64)
+fn note_texels(row: Row) {
+    let index = index_in(row, 64u);
+    if index < arrayLength(&cleared) {
+        for (var c = 0u; c < 4u; c++) {
+            if 4u * index + c < arrayLength(&kept) {
+                cleared[index][c] = kept[4u * index + c];
+            }
+        }
+    }
+}
+
+/// Turns what is kept into distances.
+@compute @workgroup_size(64)
+fn show_distances(row: Row) {
+    let index = index_in(row, 64u);
+    if index < arrayLength(&cleared) {
+        for (var c = 0u; c < 4u; c++) {
+            let texel = 4u * index + c;
+            if texel < arrayLength(&kept) {
+                cleared[index][c] = distance_kept(kept[texel]);
+            }
+        }
+    }
+}
+#endif
+
+/// Four texels per thread are set to +∞, that is, empty, unless they are kept. One thread writes the counters.
 @compute @workgroup_size(64)
 fn clear(row: Row) {
     let index = index_in(row, 64u);
     if index < arrayLength(&cleared) {
-        cleared[index] = vec4(0x7f800000u);
+#if KEEP
+        let texels = settings.map * settings.map;
+        for (var c = 0u; c < 4u; c++) {
+            let map = settings.first_map + (4u * index + c) / texels;
+            cleared[index][c] = texel_after(cleared[index][c], map);
+        }
+#else
+        cleared[index] = vec4(EMPTY);
+#endif
     }
     if index == 0u {
         let requested = samples_requested();
@@ -106,7 +205,17 @@ fn splat(row: Row) {
     }
     let light = lights.lights[map];
     let frame = frame_from_normal(light.normal);
-    let splat = chosen(settings.samples, settings.candidates, index, map, light, frame);
+    var samples = settings.samples;
+    var share = 1.0;
+#if KEEP
+    let before = frames_before(map);
+    if before >= settings.frames {
+        return;
+    }
+    samples.turn = settings.rendered_age;
+    share = 1.0 / f32(before + 1u);
+#endif
+    let splat = chosen(samples, settings.candidates, index, map, light, frame);
     if splat.point.area <= 0.0 {
         return;
     }
@@ -115,7 +224,10 @@ fn splat(row: Row) {
     let distance = map_distance(light.kind, splat.local);
     let centre = map_position(light.kind, splat.local, distance);
 #if KERNEL == surfel
-    let surfel = surfel_of(splat, light, frame, tile, settings.splat_scale, settings.side);
+    let surfel = surfel_of(splat, light, frame, tile, settings.splat_scale, settings.side, share);
+#if KEEP
+    let kind = kind_of_disc(surfel.triangle_area, splat.point.area);
+#endif
     let reach = surfel.reach;
 #else
     // At least one texel, as a side is at least 1.
@@ -123,6 +235,9 @@ fn splat(row: Row) {
     let density = 1.0 / map_texel_width(light.kind, splat.local, distance, tile);
     let side = clamp(settings.splat_scale * sqrt(splat.point.area * cosine) * density, 1.0, settings.side);
     let reach = vec2(0.5 * side);
+#if KEEP
+    let kind = 0u;
+#endif
 #endif
 
     let texels = texels_about(centre, reach, tile);
@@ -131,12 +246,24 @@ fn splat(row: Row) {
     var at = vec2(0u);
     for (var i = 0u; i < texels.size.x * texels.size.y; i++) {
 #if KERNEL == surfel
-        let stored = distance_to_surfel(surfel, map_ray(light.kind, texel_centre(texels.first + at, tile)));
+        let met = meet_surfel(surfel, map_ray(light.kind, texel_centre(texels.first + at, tile)));
+        let stored = met.distance;
+        let is_of_triangle = met.is_of_triangle;
 #else
         let stored = distance;
+        let is_of_triangle = true;
 #endif
         if stored >= 0.0 {
-            atomicMin(&depth[first + at.y * tile + at.x], bitcast<u32>(stored));
+            var bits = bitcast<u32>(stored);
+#if KEEP
+            bits = kept_distance(bits, select(kind, 0u, is_of_triangle));
+            // Later discs fill holes alone: all of them together would be thicker than those of one frame.
+            if !is_of_triangle && before > 0u {
+                let is_hole = there[first + at.y * tile + at.x] == EMPTY;
+                bits = select(EMPTY, bits, is_hole && !is_outdated(bits, before));
+            }
+#endif
+            atomicMin(&depth[first + at.y * tile + at.x], bits);
         }
         at.x++;
         if at.x == texels.size.x {

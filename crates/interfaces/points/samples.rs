@@ -68,6 +68,7 @@ impl SurfaceSamples {
             ("block_bits", self.block.ilog2()),
             ("step_whole", (step >> 32) as u32),
             ("step_fraction", step as u32),
+            ("turn", 0),
         ];
         values.into_iter().fold(dispatch, |dispatch, (name, value)| {
             dispatch.value(&format!("{member}.{name}"), Value::U32(value))

@@ -13,7 +13,8 @@ struct SamplesWanted {
     step_whole: u32,
     /// The rest of it, in units of 2⁻³².
     step_fraction: u32,
-    pad0: u32,
+    /// Which of many sets of as many samples: 0 for the first.
+    turn: u32,
     pad1: u32,
     pad2: u32,
 }

@@ -76,15 +76,19 @@ impl Pass for Splat {
             given => given,
         };
         let shader = cx.file("splat.wgsl");
+        let keep = cx.settings.bool("keep")?;
+        if ["past", "rendered"].map(|port| cx.connected(port)) != [keep; 2] {
+            let said = "maps are kept where `keep` is set and the links `past` and `rendered` are there";
+            return Err(PassTypeError::setting("keep", said));
+        }
+        let maps_of = if keep { "kept" } else { "depth" };
         let mut recording = Recording::default();
         for window in depth_atlas::windows(maps, tile, samples.block(), self.window) {
             let of_maps = samples.of_maps(&window.maps);
             let of_maps = of_maps.start / candidates..of_maps.end / candidates;
-            let dispatch = |entry: &str, global: &str, threads: u32| {
+            let step = |entry: &str, threads: u32| {
                 samples
                     .fill(Compute::new(shader.clone(), entry, Threads::Row(threads)), "samples")
-                    .bind(global, "depth")
-                    .window(global, window.bytes.clone())
                     .value("wanted", wanted.saturating_mul(maps).saturating_mul(candidates))
                     .value("candidates", candidates)
                     .value("side", side)
@@ -92,10 +96,34 @@ impl Pass for Splat {
                     .value("first", of_maps.start)
                     .value("end", of_maps.end)
             };
+            let dispatch = |entry, global, threads| {
+                step(entry, threads).bind(global, maps_of).window(global, window.bytes.clone())
+            };
             let texels = (window.maps.end - window.maps.start) * tile * tile;
+            if keep && window.maps.start == 0 {
+                recording = recording.then(step("note_stands", maps));
+            }
             recording = recording.then(dispatch("clear", "cleared", texels.div_ceil(4)));
+            // From what is kept into the output.
+            let copied = |entry| {
+                let step = step(entry, texels.div_ceil(4)).bind("cleared", "depth");
+                ["cleared", "kept"]
+                    .into_iter()
+                    .fold(step, |step, global| step.window(global, window.bytes.clone()))
+            };
+            if keep {
+                recording = recording.then(copied("note_texels"));
+            }
             if !of_maps.is_empty() {
-                recording = recording.then(dispatch("splat", "depth", of_maps.end - of_maps.start));
+                let splat = dispatch("splat", "depth", of_maps.end - of_maps.start);
+                recording = recording.then(if keep {
+                    splat.bind("there", "depth").window("there", window.bytes.clone())
+                } else {
+                    splat
+                });
+            }
+            if keep {
+                recording = recording.then(copied("show_distances"));
             }
         }
         Ok(recording)

@@ -1,6 +1,7 @@
 //! Splats against closed forms.
 
 mod cpu_reference;
+mod filling;
 
 use cpu_reference::{Shape, map, splat};
 use glam::{DVec3, dvec3, uvec2};
@@ -245,11 +246,16 @@ fn surfels(scene: scene::Scene, points: &[([f32; 2], u32)]) -> Option<Vec<f64>> 
     surfels_of(&light_at(DVec3::Y, DVec3::NEG_Y), scene, points)
 }
 
+/// Points of the scene `plane` as they are stored, (x, z) and the triangle of each.
+fn stored(points: &[([f32; 2], u32)]) -> Vec<[u32; 8]> {
+    let one = |([x, z], triangle): &([f32; 2], u32)| {
+        [x.to_bits(), 0, z.to_bits(), *triangle, 0, 1f32.to_bits(), 0, 0]
+    };
+    points.iter().map(one).collect()
+}
+
 fn surfels_of(light: &VirtualLight, scene: scene::Scene, points: &[([f32; 2], u32)]) -> Option<Vec<f64>> {
-    let stored: Vec<[u32; 8]> = points
-        .iter()
-        .map(|([x, z], triangle)| [x.to_bits(), 0, z.to_bits(), *triangle, 0, 1f32.to_bits(), 0, 0])
-        .collect();
+    let stored = stored(points);
     let outputs = Harness::new(splat::PASS)
         .with_scene(scene)
         .set("map", 32)
@@ -434,7 +440,12 @@ fn the_bias_of_lookups_is_that_of_the_kernel() {
         given
     };
     let facts = |kernel: &str| {
-        let settings = [("kernel", kernel.into()), ("map", 64_u32.into()), ("depth_bias", Value::F32(0.5))];
+        let settings = [
+            ("kernel", kernel.into()),
+            ("map", 64_u32.into()),
+            ("depth_bias", Value::F32(0.5)),
+            ("keep", false.into()),
+        ];
         let inputs = [
             input("points", "Points", &[("count", 9_u32.into())], Some(STORED)),
             input("lights", "VirtualLights", &[("count", 4_u32.into())], None),
