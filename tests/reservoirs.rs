@@ -1,7 +1,9 @@
 //! Virtual lights chosen by reservoirs, against a gather of all lights by rays: the same mean, whatever is reused.
 
 use crate::adapter::{energy, renderer};
+use bytemuck::pod_collect_to_vec;
 use glam::Vec3;
+use interfaces::reservoirs::Reservoir;
 use metrics::statistics::Summary;
 use renderer::Renderer;
 use scene::Camera;
@@ -31,23 +33,29 @@ const BESIDE_ALL: &str = r#"Pipeline(
     outputs: { "all": "all", "chosen": "gather.irradiance" },
 )"#;
 
-fn beside_all(scene: &str, values: &[&str]) -> Option<Renderer> {
+fn beside_all(scene: &str, size: (u32, u32), values: &[&str]) -> Option<Renderer> {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("beside-all.ron");
     std::fs::write(&path, BESIDE_ALL).unwrap();
-    renderer(&path.to_string_lossy(), scene, SIZE, &[SET, values].concat())
+    let mut renderer = renderer(&path.to_string_lossy(), scene, size, &[SET, values].concat())?;
+    renderer.keep_only(["all", "chosen"]).unwrap();
+    Some(renderer)
+}
+
+/// The energy of all lights, and of chosen ones, in the next frame.
+fn energies(renderer: &mut Renderer) -> [f64; 2] {
+    renderer.frame().unwrap();
+    ["all", "chosen"].map(|name| energy(&renderer.output(name).unwrap()))
 }
 
 /// Runs frames, and asserts that chosen lights give as much as all lights, in the mean over the frames after the first. `before` changes
 /// what is rendered in a frame.
 fn assert_same_energy(name: &str, values: &[&str], scene: &str, before: impl Fn(&mut Renderer, u32)) {
-    let Some(mut renderer) = beside_all(scene, values) else { return };
-    renderer.keep_only(["all", "chosen"]).unwrap();
+    let Some(mut renderer) = beside_all(scene, SIZE, values) else { return };
     let (mut all, mut off) = (0.0, vec![0.0; GROUPS as usize]);
     for frame in 0..=GROUPS * FRAMES {
         before(&mut renderer, frame);
-        renderer.frame().unwrap();
-        let [every, chosen] = ["all", "chosen"].map(|name| energy(&renderer.output(name).unwrap()));
+        let [every, chosen] = energies(&mut renderer);
         if frame > 0 {
             all += every / f64::from(GROUPS * FRAMES);
             off[((frame - 1) / FRAMES) as usize] += (chosen - every) / f64::from(FRAMES);
@@ -87,4 +95,35 @@ fn reuse_over_frames_has_the_energy_of_all_lights() {
     assert_same_energy("all moves", &reuse, "cornell-box-moving", |r, frame| {
         r.set_time(Some(frame as f32 / 15.0));
     });
+}
+
+/// M stays at its cap while nothing changes, and the mean where it is.
+#[test]
+#[ignore = "slow"]
+fn nothing_drifts_over_ten_thousand_frames() {
+    let values = ["lights=16", "rsm.size=32", "candidates=4", "most=20.0", "neighbours=3"];
+    let Some(mut renderer) = beside_all("cornell-box", (12, 9), &values) else { return };
+    let mut ratios = Vec::new();
+    for _ in 0..10 {
+        let [mut all, mut chosen] = [0.0; 2];
+        for _ in 0..1000 {
+            let of_frame = energies(&mut renderer);
+            all += of_frame[0];
+            chosen += of_frame[1];
+        }
+        ratios.push(chosen / all);
+    }
+    eprintln!("RATIO {ratios:.4?}");
+    let Summary { mean, half_width_95, .. } = Summary::of(&ratios).unwrap();
+    assert!(half_width_95 < 0.004 && (mean - 1.0).abs() < 0.005 + half_width_95, "{mean} ± {half_width_95}");
+    let (early, late) = ratios.split_at(5);
+    let [early, late] = [early, late].map(|half| Summary::of(half).unwrap());
+    let spread = early.half_width_95.hypot(late.half_width_95);
+    assert!((early.mean - late.mean).abs() < 1.5 * spread, "{} then {}", early.mean, late.mean);
+    let id = renderer.plan().unwrap().resource("gather.verified").unwrap();
+    let reservoirs: Vec<Reservoir> = pod_collect_to_vec(&renderer.resource_bytes(id).unwrap());
+    // A frame, and at most 20 before it, of the pixel and of three around it.
+    let most = 4.0 * 21.0 * 4.0;
+    let off = reservoirs.iter().find(|r| !(r.count <= most && r.weight.is_finite()));
+    assert!(off.is_none(), "{off:?}");
 }
