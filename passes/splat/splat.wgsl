@@ -141,19 +141,6 @@ fn texel_after(texel: u32, map: u32) -> u32 {
     return select(texel, EMPTY, is_over);
 }
 
-/// Copies what is kept.
-@compute @workgroup_size(64)
-fn note_texels(row: Row) {
-    let index = index_in(row, 64u);
-    if index < arrayLength(&cleared) {
-        for (var c = 0u; c < 4u; c++) {
-            if 4u * index + c < arrayLength(&kept) {
-                cleared[index][c] = kept[4u * index + c];
-            }
-        }
-    }
-}
-
 /// Turns what is kept into distances.
 @compute @workgroup_size(64)
 fn show_distances(row: Row) {
@@ -169,7 +156,8 @@ fn show_distances(row: Row) {
 }
 #endif
 
-/// Four texels per thread are set to +∞, that is, empty, unless they are kept. One thread writes the counters.
+/// Four texels per thread are set to +∞, that is, empty, unless they are kept: then they are also copied for the splats. One thread writes
+/// the counters.
 @compute @workgroup_size(64)
 fn clear(row: Row) {
     let index = index_in(row, 64u);
@@ -177,8 +165,11 @@ fn clear(row: Row) {
 #if KEEP
         let texels = settings.map * settings.map;
         for (var c = 0u; c < 4u; c++) {
-            let map = settings.first_map + (4u * index + c) / texels;
-            cleared[index][c] = texel_after(cleared[index][c], map);
+            let texel = 4u * index + c;
+            if texel < arrayLength(&kept) {
+                kept[texel] = texel_after(kept[texel], settings.first_map + texel / texels);
+                cleared[index][c] = kept[texel];
+            }
         }
 #else
         cleared[index] = vec4(EMPTY);

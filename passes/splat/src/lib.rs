@@ -103,17 +103,18 @@ impl Pass for Splat {
             if keep && window.maps.start == 0 {
                 recording = recording.then(step("note_stands", maps));
             }
-            recording = recording.then(dispatch("clear", "cleared", texels.div_ceil(4)));
-            // From what is kept into the output.
-            let copied = |entry| {
+            // What is kept, and the output.
+            let with_both = |entry| {
                 let step = step(entry, texels.div_ceil(4)).bind("cleared", "depth");
                 ["cleared", "kept"]
                     .into_iter()
                     .fold(step, |step, global| step.window(global, window.bytes.clone()))
             };
-            if keep {
-                recording = recording.then(copied("note_texels"));
-            }
+            recording = recording.then(if keep {
+                with_both("clear")
+            } else {
+                dispatch("clear", "cleared", texels.div_ceil(4))
+            });
             if !of_maps.is_empty() {
                 let splat = dispatch("splat", "depth", of_maps.end - of_maps.start);
                 recording = recording.then(if keep {
@@ -123,7 +124,7 @@ impl Pass for Splat {
                 });
             }
             if keep {
-                recording = recording.then(copied("show_distances"));
+                recording = recording.then(with_both("show_distances"));
             }
         }
         Ok(recording)
