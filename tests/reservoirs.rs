@@ -1,6 +1,6 @@
 //! Virtual lights chosen by reservoirs, against a gather of all lights by rays: the same mean, whatever is reused.
 
-use crate::adapter::{energy, renderer};
+use crate::adapter::{done, energy, renderer};
 use bytemuck::pod_collect_to_vec;
 use glam::Vec3;
 use interfaces::reservoirs::Reservoir;
@@ -95,6 +95,28 @@ fn reuse_over_frames_has_the_energy_of_all_lights() {
     assert_same_energy("all moves", &reuse, "cornell-box-moving", |r, frame| {
         r.set_time(Some(frame as f32 / 15.0));
     });
+}
+
+/// The mean over frames, against path tracing: maps, lights, choices and rays share nothing with it but the scene.
+#[test]
+#[ignore = "slow"]
+fn the_mean_over_frames_has_the_energy_of_path_tracing() {
+    let size = (32, 24);
+    let path = ["bounces=1", "samples=4096", "samples_per_frame=64"];
+    let Some(mut paths) = renderer("reference", "cornell-box", size, &path) else { return };
+    done(&mut paths);
+    let exact = energy(&paths.output("indirect").unwrap());
+    let ratio = |seed| {
+        let values = ["lights=256", "candidates=8", "frames=256"];
+        let mut renderer = renderer("restir-vpl-accumulated", "cornell-box", size, &values).unwrap();
+        renderer.set_seed(seed);
+        done(&mut renderer);
+        energy(&renderer.output("indirect").unwrap()) / exact
+    };
+    let ratios: Vec<f64> = (0..6).map(ratio).collect();
+    let Summary { mean, half_width_95, .. } = Summary::of(&ratios).unwrap();
+    eprintln!("RATIO energy {mean:.4} ± {half_width_95:.4}");
+    assert!(half_width_95 < 0.005 && (mean - 1.0).abs() < 0.005 + half_width_95, "{ratios:?}");
 }
 
 /// M stays at its cap while nothing changes, and the mean where it is.
