@@ -119,16 +119,19 @@ fn the_mean_over_frames_has_the_energy_of_path_tracing() {
     assert!(half_width_95 < 0.005 && (mean - 1.0).abs() < 0.005 + half_width_95, "{ratios:?}");
 }
 
-/// M stays at its cap while nothing changes, and the mean where it is.
+/// M stays at its cap while nothing but the camera moves, and the mean where it is.
 #[test]
 #[ignore = "slow"]
 fn nothing_drifts_over_ten_thousand_frames() {
-    let values = ["lights=16", "rsm.size=32", "candidates=4", "most=20.0", "neighbours=3"];
-    let Some(mut renderer) = beside_all("cornell-box", (12, 9), &values) else { return };
+    let values = ["lights=16", "rsm.size=32", "candidates=16", "most=20.0", "neighbours=3"];
+    let Some(mut renderer) = beside_all("cornell-box", (16, 12), &values) else { return };
+    let begin = renderer.scene().camera;
     let mut ratios = Vec::new();
     for _ in 0..10 {
         let [mut all, mut chosen] = [0.0; 2];
-        for _ in 0..1000 {
+        for frame in 0..1000 {
+            let by = Vec3::new(0.02, 0.01, 0.0) * (frame % 8) as f32;
+            renderer.set_camera(Some(Camera { position: begin.position + by, ..begin }), false);
             let of_frame = energies(&mut renderer);
             all += of_frame[0];
             chosen += of_frame[1];
@@ -137,7 +140,7 @@ fn nothing_drifts_over_ten_thousand_frames() {
     }
     eprintln!("RATIO {ratios:.4?}");
     let Summary { mean, half_width_95, .. } = Summary::of(&ratios).unwrap();
-    assert!(half_width_95 < 0.004 && (mean - 1.0).abs() < 0.005 + half_width_95, "{mean} ± {half_width_95}");
+    assert!(half_width_95 < 0.03 && (mean - 1.0).abs() < 0.005 + half_width_95, "{mean} ± {half_width_95}");
     let (early, late) = ratios.split_at(5);
     let [early, late] = [early, late].map(|half| Summary::of(half).unwrap());
     let spread = early.half_width_95.hypot(late.half_width_95);
@@ -145,7 +148,7 @@ fn nothing_drifts_over_ten_thousand_frames() {
     let id = renderer.plan().unwrap().resource("gather.verified").unwrap();
     let reservoirs: Vec<Reservoir> = pod_collect_to_vec(&renderer.resource_bytes(id).unwrap());
     // A frame, and at most 20 before it, of the pixel and of three around it.
-    let most = 4.0 * 21.0 * 4.0;
+    let most = 16.0 * 21.0 * 4.0;
     let off = reservoirs.iter().find(|r| !(r.count <= most && r.weight.is_finite()));
     assert!(off.is_none(), "{off:?}");
 }
