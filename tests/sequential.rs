@@ -10,9 +10,9 @@ const PIPELINES: [&str; 2] = ["smc-ir", "smc-ir-2016"];
 /// long.
 fn by_cells(pipeline: &str) -> &'static [&'static str] {
     const BY_CELLS: [&str; 3] = [
-        "lights/sample_density.structure=grid",
-        "lights/vpls/sources.structure=grid",
-        "lights/vpls/sources_before.structure=grid",
+        "lights/sample_density.structure=tree",
+        "lights/vpls/sources.structure=tree",
+        "lights/vpls/sources_before.structure=tree",
     ];
     if pipeline == "smc-ir" { &BY_CELLS } else { &BY_CELLS[..1] }
 }
