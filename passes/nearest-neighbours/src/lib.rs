@@ -57,8 +57,8 @@ impl Search {
         Ok(self.among.div_ceil(points).next_power_of_two())
     }
 
-    /// Returns the sort of the neighbours along the curve, and that of the points, where they are others.
-    fn sorts(&self, own: bool) -> Vec<RadixSort<'static>> {
+    /// Returns the sort of the neighbours along the curve, and that of the points, where they are others; each with its port.
+    fn sorts(&self, own: bool) -> Vec<(&'static str, RadixSort<'static>)> {
         let along = |length, keys, order, scratch| RadixSort {
             length,
             count: None,
@@ -69,11 +69,14 @@ impl Search {
             sorted_values: order,
             scratch,
         };
-        let mut sorts = vec![along(self.among, "keys", "order", "sort")];
-        if !own {
-            sorts.push(along(self.points, "keys_of_points", "turns", "sort_of_points"));
+        let neighbours = along(self.among, "keys", "order", "sort");
+        if own {
+            return vec![("points", neighbours)];
         }
-        sorts
+        vec![
+            ("among", neighbours),
+            ("points", along(self.points, "keys_of_points", "turns", "sort_of_points")),
+        ]
     }
 }
 
@@ -103,7 +106,7 @@ impl Pass for NearestNeighbours {
             scratch("distances", 16 * points_between * u64::from(search.vectors)),
         ]);
         if search.is_tree {
-            for sort in search.sorts(cx.input("among").is_none()) {
+            for (_, sort) in search.sorts(cx.input("among").is_none()) {
                 let words = 4 * u64::from(sort.length.max(1));
                 outputs.extend(sort.scratch(use_cx)?);
                 outputs.extend([scratch(sort.keys, words), scratch(sort.sorted_values, words)]);
@@ -131,9 +134,8 @@ impl Pass for NearestNeighbours {
             let step = |entry, count: u32| {
                 Compute::new(tree.clone(), entry, Threads::Row(count.max(1))).value("count", count)
             };
-            for sort in search.sorts(own) {
-                let place = step("place", sort.length).bind("keys", sort.keys);
-                steps.push(if sort.keys == "keys" { place } else { place.bind("among", "points") });
+            for (port, sort) in search.sorts(own) {
+                steps.push(step("place", sort.length).bind("keys", sort.keys).bind("among", port));
                 steps.extend(sort.steps(&use_cx)?);
             }
             steps.push(step("make_leaves", leaves));
