@@ -125,13 +125,11 @@ fn the_mean_over_frames_has_the_energy_of_path_tracing() {
 fn nothing_drifts_over_ten_thousand_frames() {
     let values = ["lights=16", "rsm.size=32", "candidates=16", "most=20.0", "neighbours=3"];
     let Some(mut renderer) = beside_all("cornell-box", (16, 12), &values) else { return };
-    let begin = renderer.scene().camera;
     let mut ratios = Vec::new();
     for _ in 0..10 {
         let [mut all, mut chosen] = [0.0; 2];
         for frame in 0..1000 {
-            let by = Vec3::new(0.02, 0.01, 0.0) * (frame % 8) as f32;
-            renderer.set_camera(Some(Camera { position: begin.position + by, ..begin }), false);
+            walks(&mut renderer, frame, false);
             let of_frame = energies(&mut renderer);
             all += of_frame[0];
             chosen += of_frame[1];

@@ -88,7 +88,7 @@ fn maps_of_lights_that_moved_begin_anew() {
 }
 
 #[test]
-fn links_without_keep_are_refused() {
+fn keep_without_its_links_is_refused() {
     let Some(said) = harness(&[above()]).set("keep", true).refusal() else { return };
     assert!(said.contains("the links `past` and `rendered`"), "{said}");
 }
