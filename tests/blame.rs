@@ -44,7 +44,7 @@ fn shares_add_up_to_the_error_of_the_picture() {
         row["passes"].as_array().unwrap().iter().map(|pass| pass.as_str().unwrap()).collect::<Vec<_>>()
     };
     assert_eq!(passes("maps"), ["shadows/points", "shadows/splat", "shadows/fill", "shadows/settle"]);
-    assert_eq!(passes("lights"), ["rsm", "importance", "lights"]);
+    assert_eq!(passes("lights"), ["rsm", "importance", "sums", "lights"]);
     assert_eq!(passes("filter"), ["filter"]);
     let page = folder.read("out/report.html");
     for words in ["ism-invtm in cornell-box", "<td>shadows/points, shadows/splat", "data:image/png;base64,"] {

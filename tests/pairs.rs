@@ -14,7 +14,7 @@ const SAMPLERS: [(&str, &str); 4] = [
     ("uniform", r#"Replace("lights", Pass(kind: "sample-uniform", set: { "count": "$lights" }))"#),
     (
         "Metropolis-Hastings",
-        r#"Replace("lights", Pass(kind: "sample-metropolis", set: { "count": "$lights" }))"#,
+        r#"Replace("lights", Pass(kind: "sample-metropolis", in: { "importance": "importance" }, set: { "count": "$lights" }))"#,
     ),
     ("inverse transform, 3 numbers", r#"Set("lights.dimensions", 3)"#),
     ("inverse transform, 2 numbers", r#"Set("lights.dimensions", 2)"#),

@@ -15,6 +15,7 @@ pub mod filling_maps;
 pub mod frame_mean;
 pub mod gbuffer;
 pub mod importance;
+pub mod importance_sums;
 pub mod irradiance;
 pub mod light_tree;
 pub mod owners;
@@ -44,6 +45,7 @@ pub static INTERFACES: &[Interface] = &[
     gbuffer::INTERFACE,
     reflective_shadow_map::INTERFACE,
     importance::INTERFACE,
+    importance_sums::INTERFACE,
     virtual_lights::INTERFACE,
     light_tree::INTERFACE,
     owners::INTERFACE,

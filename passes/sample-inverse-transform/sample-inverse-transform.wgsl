@@ -1,9 +1,9 @@
 // Samples virtual lights in proportion to an importance map by the inverse transform method. [TCAS §4.2, Fig. 2]
 //
-// cumulate.wgsl sums the importance; each light finds its texel in the sums by three binary searches.
+// Each light finds its texel in sums of the importance by three binary searches.
 
 #input rsm: ReflectiveShadowMap // The texels to sample.
-#input importance: Importance like rsm // What the probability of a texel is proportional to.
+#input sums: ImportanceSums like rsm // Sums of what the probability of a texel is proportional to.
 #output lights: VirtualLights(count: settings.count) // N lights; none where the importance is 0 everywhere.
 #exact lights: instead trace-photons(count: settings.count, bounces: 1, albedo: 'textured') // Photons, where they meet surfaces.
 
@@ -30,12 +30,8 @@ struct Settings {
 }
 
 var<uniform> settings: Settings;
-/// Sums along the rows of all maps.
-var row_cdf: texture_2d_array<f32>;
-/// [layers][height] Sums along the last column of each map.
-var<storage, read> column_cdf: array<f32>;
-/// [layers] Sums over the maps.
-var<storage, read> layer_cdf: array<f32>;
+var sums_rows: texture_2d_array<f32>;
+var<storage, read> sums_totals: array<f32>;
 var<storage, read_write> lights: VirtualLights;
 #if LOBES && RSM_SPECULAR
 var<storage, read_write> lights_lobes: array<VirtualLobe>;
@@ -54,13 +50,14 @@ const COLUMNS: u32 = 2u;
 
 /// Entry i of a cumulative distribution: of the layers, of a layer's rows, or of a row's columns.
 fn cumulated(which: Distribution, i: u32) -> f32 {
+    let height = textureDimensions(sums_rows).y;
     if which.stage == LAYERS {
-        return layer_cdf[i];
+        return sums_totals[textureNumLayers(sums_rows) * height + i];
     }
     if which.stage == ROWS {
-        return column_cdf[which.layer * textureDimensions(row_cdf).y + i];
+        return sums_totals[which.layer * height + i];
     }
-    return textureLoad(row_cdf, vec2(i, which.row), which.layer, 0).r;
+    return textureLoad(sums_rows, vec2(i, which.row), which.layer, 0).r;
 }
 
 @compute @workgroup_size(64)
@@ -69,9 +66,9 @@ fn draw(thread: Row) {
     if light >= settings.count {
         return;
     }
-    let size = textureDimensions(row_cdf);
-    let layers = textureNumLayers(row_cdf);
-    let none = layer_cdf[layers - 1u] == 0.0;
+    let size = textureDimensions(sums_rows);
+    let layers = textureNumLayers(sums_rows);
+    let none = cumulated(Distribution(LAYERS, 0u, 0u), layers - 1u) == 0.0;
     if light == 0u {
         lights.count = select(settings.count, 0u, none);
     }

@@ -43,6 +43,18 @@ impl Harness<'_> {
         self.input("importance", "Importance", &[], members).module("shaders/importance-stored.wgsl")
     }
 
+    /// Gives the input port `sums` the sums of a map of importance, layer after layer, as `sum-importance` makes them.
+    pub fn importance_sums(self, size: (u32, u32), importance: &[f32]) -> Self {
+        let weight = |x: &f32| if *x > 0.0 { f64::from(x.min(f32::MAX)) } else { 0.0 };
+        let weights: Vec<f64> = importance.iter().map(weight).collect();
+        let (rows, row_totals) = sums(&weights, size.0 as usize);
+        let (mut totals, map_totals) = sums(&row_totals, size.1 as usize);
+        totals.extend(sums(&map_totals, map_totals.len()).0);
+        let mut members = vec![member("rows", array(Format::R32Float, size, importance.len()), &rows)];
+        members.extend(elements(&totals).into_iter().map(|(_, desc, bytes)| ("totals", desc, bytes)));
+        self.input("sums", "ImportanceSums", &[], members)
+    }
+
     /// Gives the input port `clusters`.
     pub fn clusters(self, header: &ClustersHeader, clusters: &[Cluster]) -> Self {
         let members = elements(&clusters::to_bytes(header, clusters));
@@ -55,4 +67,21 @@ impl Harness<'_> {
         let members = vec![member("", texture, map)];
         self.input("map", "ClusterMap", &[("count", count)], members)
     }
+}
+
+/// Returns the sums of each segment of `length` weights in a unit near its greatest weight, and the segments' totals.
+fn sums(weights: &[f64], length: usize) -> (Vec<f32>, Vec<f64>) {
+    let mut sums = Vec::with_capacity(weights.len());
+    let mut totals = Vec::new();
+    for segment in weights.chunks_exact(length) {
+        let greatest = segment.iter().copied().fold(0.0, f64::max);
+        let unit = if greatest > 0.0 { greatest.log2().floor().exp2() } else { 1.0 };
+        let mut sum = 0.0;
+        sums.extend(segment.iter().map(|weight| {
+            sum += weight;
+            (sum / unit) as f32
+        }));
+        totals.push(sum);
+    }
+    (sums, totals)
 }

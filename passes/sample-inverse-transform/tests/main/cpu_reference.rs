@@ -1,4 +1,4 @@
-//! `cumulate.wgsl` and `sample-inverse-transform.wgsl` in double precision, which needs no scaling by powers of two.
+//! `sum-importance` and `sample-inverse-transform` in double precision, which needs no scaling by powers of two.
 
 use gpu_algorithms::reference::segmented_scan;
 

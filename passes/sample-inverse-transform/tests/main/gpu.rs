@@ -2,7 +2,6 @@
 
 use crate::cpu_reference::Cdf;
 use crate::distribution::{SIZE, importance};
-use gpu_algorithms::reference::workgroup_prefix_sum;
 use interfaces::virtual_lights::VirtualLight;
 use pass_test::random::{halton3, hash, hash2, unit_float};
 use pass_test::{Harness, Outputs, RsmTexel};
@@ -25,7 +24,7 @@ fn draw(map: &[f32], size: (u32, u32), settings: (u32, u32), seed: u32) -> Optio
     };
     let texels: Vec<RsmTexel> = (0..map.len() as u32).map(texel).collect();
     let harness = Harness::new(PASS).set("count", settings.0).set("dimensions", settings.1).seed(seed);
-    harness.rsm(size, &texels).importance(size, map).run()
+    harness.rsm(size, &texels).importance_sums(size, map).run()
 }
 
 fn lights(outputs: &Outputs) -> Vec<VirtualLight> {
@@ -108,28 +107,6 @@ fn drawn_texels_follow_the_importance() {
         let expected: Vec<f64> = map.iter().map(|f| f64::from(*f) / total * f64::from(COUNT)).collect();
         crate::distribution::assert_follows(&observed, &expected);
     }
-}
-
-#[test]
-fn sums_of_a_row_are_those_of_the_order_of_summation() {
-    // 600 entries: two whole chunks and a part. The greatest is in [1, 2), so nothing is scaled.
-    let row: Vec<f32> = (0..600)
-        .map(|i| {
-            if hash(i).is_multiple_of(3) { 0.0 } else { 2.0_f64.powf(-30.0 * unit_float(hash2(i, 1))) as f32 }
-        })
-        .chain([1.5])
-        .collect();
-    let Some(outputs) = draw(&row, (601, 1), (1, 3), 0) else { return };
-    let mut expected: Vec<f32> = Vec::new();
-    let mut before = 0.0;
-    for chunk in row.chunks(256) {
-        let mut sums = [0.0; 256];
-        sums[..chunk.len()].copy_from_slice(chunk);
-        workgroup_prefix_sum(&mut sums);
-        expected.extend(sums[..chunk.len()].iter().map(|sum| before + sum));
-        before += sums[255];
-    }
-    assert_eq!(outputs.read::<f32>("row_cdf"), expected);
 }
 
 #[test]

@@ -16,7 +16,7 @@ struct Known {
     count: fn(&Pass<'_>, &mut Work),
 }
 
-const KNOWN: [Known; 8] = [
+const KNOWN: [Known; 9] = [
     // Two entries of the guide table, a step of the search between them, the interval's two ends, three indices and three
     // corners.
     Known {
@@ -93,12 +93,12 @@ const KNOWN: [Known; 8] = [
             work.set(Quantity::TexelLoads, 2 * taps * pass.size("view").map_or(0, texels_of_layer));
         },
     },
-    // Of the map only the texels of lights. A segment waits ten times for its maximum and for each 256 elements.
+    // Of the map only its size. A segment waits ten times for its maximum and for each 256 elements.
     Known {
-        kind: "sample-inverse-transform",
+        kind: "sum-importance",
         sparse: &["rsm"],
         count: |pass, work| {
-            let Some(map) = pass.size("row_cdf") else { return };
+            let Some(map) = pass.size("sums") else { return };
             let (width, height, layers) =
                 (u64::from(map.size.0), u64::from(map.size.1), u64::from(map.layers));
             let waits = |length: u64| 10 + 10 * length.div_ceil(256);
@@ -106,6 +106,8 @@ const KNOWN: [Known; 8] = [
             work.add(Quantity::Barriers, 256 * segments);
         },
     },
+    // Of the map only the texels of lights, and of the sums what a search looks at.
+    Known { kind: "sample-inverse-transform", sparse: &["rsm", "sums"], count: |_, _| {} },
     // Of the map only the taps of pixels.
     Known { kind: "direct-light", sparse: &["rsm"], count: |_, _| {} },
 ];
