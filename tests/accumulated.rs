@@ -95,23 +95,31 @@ fn a_change_of_exposure_keeps_the_samples() {
     assert!(whole == changed, "the same four samples");
 }
 
-/// A pass that reads no random numbers and no camera does not run again: the maps of the scene's own lights.
+/// A pass that reads no random numbers and no camera does not run again, and what it has made is kept: the maps of the scene's own
+/// lights, and sums over them where they do not follow from the view.
 #[test]
 fn a_sample_runs_what_differs_between_samples_alone() {
-    let Some(mut renderer) = accumulated("frames=100") else { return };
-    renderer.frame().unwrap();
-    renderer.frame().unwrap();
-    let ran = renderer.frame().unwrap().ran.clone();
-    let plan = renderer.plan().unwrap();
-    let ran = |name: &str| {
-        let at = plan.passes.iter().position(|pass| &*pass.name == name).expect("the plan has it");
-        ran[at]
-    };
-    assert!(!ran("rsm"), "the lights of the scene stand still");
-    for name in
-        ["view", "lights", "shadows/splat", "gather", "filter", "direct", "image/image", "image/screen"]
-    {
-        assert!(ran(name), "{name} has another sample");
+    let all = ["view", "lights", "gather", "direct", "image/image", "image/screen"];
+    let of_maps = ["importance", "sums", "shadows/splat", "filter"];
+    for (pipeline, same, other) in [
+        ("ism-invtm-accumulated", &["rsm"][..], &of_maps[..]),
+        ("restir-vpl-accumulated", &["rsm", "importance", "sums"], &["propose", "near"]),
+    ] {
+        let Some(mut renderer) = crate::adapter::renderer(pipeline, "cornell-box-lights", SIZE, FEW) else { return };
+        renderer.frame().unwrap();
+        renderer.frame().unwrap();
+        let ran = renderer.frame().unwrap().ran.clone();
+        let plan = renderer.plan().unwrap();
+        let ran = |name: &str| {
+            let at = plan.passes.iter().position(|pass| &*pass.name == name).expect("the plan has it");
+            ran[at]
+        };
+        for name in same {
+            assert!(!ran(name), "{pipeline}: the lights of the scene stand still, and {name} ran");
+        }
+        for name in all.iter().chain(other) {
+            assert!(ran(name), "{pipeline}: {name} has another sample");
+        }
     }
 }
 

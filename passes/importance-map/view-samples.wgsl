@@ -1,6 +1,7 @@
 // Picks the samples of the view over which TCAS Eq. 1 estimates the importance of a virtual light: the same pixels in every
 // frame, stratified, or points that another pass gives.
 
+#option MEASURE contribution one_of [contribution, flux, reflectance] // flux has no samples of the view
 #option POINTS false // whether the samples are given
 
 #import "color.wgsl"
@@ -29,6 +30,7 @@ var view_albedo: texture_2d<f32>;
 #endif
 var<storage, read_write> samples: array<ViewSample>;
 
+#if MEASURE != flux
 #if POINTS
 /// The sample at a point; nothing where that is empty.
 fn sample_of(index: u32) -> ViewSample {
@@ -61,3 +63,4 @@ fn pick(row: Row) {
         samples[index] = sample_of(index);
     }
 }
+#endif

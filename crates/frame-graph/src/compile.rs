@@ -158,8 +158,12 @@ impl<'a> Work<'a> {
         // buffers may share a bit; then a pass may run once too often, which costs time but is never wrong.
         let mut sources = vec![0u64; self.graph.passes.node_count()];
         let graph = self.graph;
+        let reads = |pass: &NodeIndex, what| graph.passes[*pass].scene_bindings.contains(what);
+        let is_sampled = order.iter().any(|pass| reads(pass, SceneBindings::SAMPLE));
+        // Where the frame is no sample, seeds stay as they are.
+        let ignored = if is_sampled { SceneBindings::NONE } else { SceneBindings::SEED };
         for pass in order {
-            let mut bits = u64::from(graph.passes[*pass].scene_bindings.0);
+            let mut bits = u64::from(graph.passes[*pass].scene_bindings.0 & !ignored.0);
             for link in graph.inputs(*pass) {
                 for r in self.numbers.of_source(&link.from) {
                     bits |= match link.past {

@@ -140,9 +140,10 @@ impl SceneBindings {
     /// The sample that a frame is: the seed of random numbers, and the place within each pixel. A plan with a pass that
     /// reads it has another sample in every frame.
     pub const SAMPLE: SceneBindings = SceneBindings(16);
-
     /// Where moving geometry was in the frame before.
     pub const PREVIOUS: SceneBindings = SceneBindings(32);
+    /// The seed of random numbers. It changes where the plan has another sample in every frame.
+    pub const SEED: SceneBindings = SceneBindings(64);
 
     /// Returns the union of both.
     pub const fn and(self, other: SceneBindings) -> SceneBindings {

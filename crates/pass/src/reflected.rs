@@ -388,9 +388,14 @@ fn is_run(entry: &Entry, stage: Option<Stage>) -> bool {
 fn of_entries(shader: &Shader, stage: Option<Stage>) -> SceneBindings {
     let interface = &shader.interface;
     let run = interface.entries.iter().filter(|entry| stage.is_none() || is_run(entry, stage));
-    let read = run.flat_map(|entry| &entry.globals);
-    let read = read.filter_map(|&global| scene_bindings::of_global(&interface.globals[global].name));
-    read.fold(SceneBindings::NONE, SceneBindings::and)
+    let read = run.flat_map(|entry| &entry.globals).map(|&global| &interface.globals[global]);
+    let bindings = read.filter_map(|global| match &global.kind {
+        GlobalKind::Uniform { layout } if interface.member(&layout.ty, "seed").is_some() => {
+            Some(SceneBindings::SEED)
+        }
+        _ => scene_bindings::of_global(&global.name),
+    });
+    bindings.fold(SceneBindings::NONE, SceneBindings::and)
 }
 
 /// The part of a global's name behind `port_`.
