@@ -2,7 +2,7 @@
 
 use crate::codes;
 use crate::composed::{Composed, Import, Outline, ShaderOption, import_chain};
-use crate::directive::{self, Condition, Define, Directive, Fault, Placed};
+use crate::directive::{self, Condition, Define, Directive, Fault, OptionValues, Placed};
 use crate::exact::DeclaredExact;
 use crate::files::{self, ShaderFiles};
 use crate::library::Request;
@@ -354,8 +354,8 @@ impl Composer<'_> {
                 Ok(())
             }
             Directive::Interface(name) => self.interface(name, source, line),
-            Directive::Option { name, default, one_of, internal, doc } => {
-                self.option(name, default, one_of, (internal, doc), source, line)
+            Directive::Option { name, values, internal, doc } => {
+                self.option(name, values, (internal, doc), source, line)
             }
             Directive::Port { input, port, name } => self.port(input, port, name, line),
             Directive::Lights => {
@@ -457,8 +457,7 @@ impl Composer<'_> {
     fn option(
         &mut self,
         name: Placed<String>,
-        default: Placed<Define>,
-        one_of: Vec<Placed<Define>>,
+        OptionValues { default, one_of, auto }: OptionValues,
         (internal, doc): (bool, String),
         source: &Arc<Source>,
         line: Range<usize>,
@@ -479,8 +478,13 @@ impl Composer<'_> {
             let message = format!("the default `{}` is not one of {}", default.value, list());
             return Err(Fault::new(&codes::OPTION, default.range, message));
         }
+        if let Some((odd, _)) = auto.iter().find(|(value, _)| !one_of.contains(&value.value)) {
+            let message = format!("`auto` means one of {}, and `{}` is none", list(), odd.value);
+            return Err(Fault::new(&codes::OPTION, odd.range.clone(), message));
+        }
+        let auto = auto.map(|(value, name)| (value.value, name));
         if let Some(other) = self.outline.options.iter_mut().find(|other| other.name == name.value) {
-            if other.default == default.value && other.one_of == one_of {
+            if other.default == default.value && other.one_of == one_of && other.auto == auto {
                 other.internal |= internal;
                 return Ok(());
             }
@@ -518,6 +522,7 @@ impl Composer<'_> {
             default: default.value,
             one_of,
             internal,
+            auto,
             doc,
             place,
             compared,

@@ -47,6 +47,9 @@ impl Outline {
     }
 }
 
+/// The value of a setting that leaves the choice to the scene, where an option has such a choice.
+pub const AUTO: &str = "auto";
+
 /// An `#option`: a choice between variants.
 #[derive(Clone, Debug)]
 pub struct ShaderOption {
@@ -58,6 +61,8 @@ pub struct ShaderOption {
     pub one_of: Vec<Define>,
     /// Whether only the pass itself sets it: neither a user nor the scene does.
     pub internal: bool,
+    /// The value, not the default, that the setting `auto` means where the scene has a trait, and that trait.
+    pub auto: Option<(Define, String)>,
     /// The comment behind it.
     pub doc: String,
     /// The declaration.
@@ -78,8 +83,14 @@ impl ShaderOption {
             Define::Int(n) => Value::U32((*n).clamp(0, u32::MAX.into()) as u32),
             Define::Text(word) => Value::Text(word.clone()),
         };
-        let one_of = if let Define::Text(_) = &self.default { self.values() } else { self.one_of.clone() };
-        let default = value(&self.default);
+        let mut one_of =
+            if let Define::Text(_) = &self.default { self.values() } else { self.one_of.clone() };
+        let mut default = value(&self.default);
+        if self.auto.is_some() {
+            let auto = Define::Text(AUTO.to_owned());
+            default = value(&auto);
+            one_of.insert(0, auto);
+        }
         Setting {
             name: self.name.to_lowercase(),
             ty: default.ty(),

@@ -121,6 +121,16 @@ pub(crate) struct Placed<T> {
     pub(crate) range: Range<usize>,
 }
 
+/// The values of an option.
+#[derive(Debug)]
+pub(crate) struct OptionValues {
+    pub(crate) default: Placed<Define>,
+    /// All of them; empty where any will do.
+    pub(crate) one_of: Vec<Placed<Define>>,
+    /// That which `auto` means where the scene has a trait, and the trait.
+    pub(crate) auto: Option<(Placed<Define>, String)>,
+}
+
 /// A `#` line.
 #[derive(Debug)]
 pub(crate) enum Directive {
@@ -128,8 +138,7 @@ pub(crate) enum Directive {
     Interface(Placed<String>),
     Option {
         name: Placed<String>,
-        default: Placed<Define>,
-        one_of: Vec<Placed<Define>>,
+        values: OptionValues,
         internal: bool,
         doc: String,
     },
@@ -352,6 +361,14 @@ impl<'a> Tokens<'a> {
         Ok(found)
     }
 
+    fn accept_word(&mut self, word: &str) -> Result<bool, Fault> {
+        let found = self.peek()?.value == Token::Word(word);
+        if found {
+            self.next()?;
+        }
+        Ok(found)
+    }
+
     fn name(&mut self) -> Result<Placed<String>, Fault> {
         match self.next()? {
             Placed { value: Token::Word(word), range }
@@ -375,13 +392,12 @@ impl<'a> Tokens<'a> {
         Ok(Placed { value, range: token.range })
     }
 
-    /// `#option NAME default [one_of [a, b]] [internal]`
+    /// `#option NAME default [one_of [a, b]] [auto b where TRAIT] [internal]`
     fn option(&mut self) -> Result<Directive, Fault> {
         let name = self.name()?;
         let default = self.value()?;
         let mut one_of = Vec::new();
-        if self.peek()?.value == Token::Word("one_of") {
-            self.next()?;
+        if self.accept_word("one_of")? {
             if !self.accept("[")? {
                 return Err(self.next()?.expected("`[`, as in `one_of [1, 4, 9]`"));
             }
@@ -395,13 +411,18 @@ impl<'a> Tokens<'a> {
                 }
             }
         }
-        let internal = self.peek()?.value == Token::Word("internal");
-        if internal {
-            self.next()?;
+        let mut auto = None;
+        if self.accept_word("auto")? {
+            let value = self.value()?;
+            if !self.accept_word("where")? {
+                return Err(self.next()?.expected("`where`, as in `auto query where RAY_QUERIES`"));
+            }
+            auto = Some((value, self.name()?.value.to_lowercase()));
         }
+        let internal = self.accept_word("internal")?;
         let comments = self.line[self.pos..].lines().map(|line| line.trim().trim_start_matches('/').trim());
         let doc = comments.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ");
-        Ok(Directive::Option { name, default, one_of, internal, doc })
+        Ok(Directive::Option { name, values: OptionValues { default, one_of, auto }, internal, doc })
     }
 
     fn any(&mut self) -> Result<Condition, Fault> {

@@ -34,7 +34,7 @@ mod watch;
 pub use attributes::{
     Amount, Attributes, EntryAttributes, GlobalAttributes, KEYS as ATTRIBUTES, ThreadCount,
 };
-pub use composed::{Outline, ShaderOption};
+pub use composed::{AUTO, Outline, ShaderOption};
 pub use directive::Define;
 pub use exact::{DeclaredExact, ExactForm};
 pub use files::{DiskFiles, MemoryFiles, Overlay, ShaderFiles, files_under};

@@ -4,10 +4,10 @@
 use super::{MainShader, begins, list};
 use crate::{
     Define, InputPort, Interface, Library, PassTypeError, Request, Setting, Settings, Traits, UseContext,
-    lights, request, scene_bindings,
+    Value, lights, request, scene_bindings,
 };
 use shader_library::codes::MISSING_FILE;
-use shader_library::{DeclaredPort, Outline, ShaderOption};
+use shader_library::{AUTO, DeclaredPort, Outline, ShaderOption};
 use std::sync::Arc;
 
 /// The values that decide the options of a pass's shaders.
@@ -99,7 +99,13 @@ impl<'a> Known<'a> {
             Meaning::Read(port) => Some(Define::Bool((self.read)(port))),
             Meaning::Member(port, member) => (self.member)(port, member).map(Define::Bool),
             Meaning::Trait => self.traits?.values.get(&name).and_then(of),
-            Meaning::Setting => self.settings.0.get(&name).and_then(of),
+            Meaning::Setting => match (&option.auto, self.settings.0.get(&name)) {
+                (Some((value, name)), Some(Value::Text(said))) if said == AUTO => {
+                    let has = self.traits.and_then(|traits| traits.values.get(name)).and_then(Value::as_bool);
+                    Some(if has == Some(true) { value } else { &option.default }.clone())
+                }
+                (_, said) => said.and_then(of),
+            },
         };
         value.filter(|value| std::mem::discriminant(value) == std::mem::discriminant(&option.default))
     }

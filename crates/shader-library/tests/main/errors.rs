@@ -69,6 +69,10 @@ fn options() {
         "options_badly_declared",
         "#option A 4 one_of [1, 2]\n#option B box one_of [box, 2]\n#option C\n#option D 1 one_of []\n#option E 1 one_of 1",
     );
+    check_text(
+        "options_badly_chosen",
+        "#option A a one_of [a, b] auto c where T\n#option B a one_of [a, b] auto b\n#option C a auto",
+    );
     let files =
         [("main.wgsl", "#option A 1\n#import \"a.wgsl\"\n"), ("a.wgsl", "\n#option A 1\n#option A 2\n")];
     check("option_declared_twice", &files, Request::new("main.wgsl"));

@@ -131,3 +131,20 @@ fn broken_declarations() {
         insta::assert_snapshot!("settings", errors.to_string());
     });
 }
+
+#[test]
+fn an_option_that_the_scene_chooses_has_a_value_for_that() {
+    let text = "#option RAYS bvh one_of [bvh, query] auto query where QUERIES internal // How.\n@compute @workgroup_size(1) fn main() {}";
+    let library = library(&[("main.wgsl", text)]);
+    let outline = library.outline(&Request::new("main.wgsl")).unwrap();
+    let option = &outline.options[0];
+    let setting = option.setting();
+    let words = |words: &[&str]| words.iter().map(|word| Value::Text((*word).to_owned())).collect::<Vec<_>>();
+    assert_eq!(
+        (setting.default, setting.one_of),
+        (words(&["auto"])[0].clone(), words(&["auto", "bvh", "query"]))
+    );
+    assert_eq!((option.default.clone(), option.internal, &*option.doc), ("bvh".into(), true, "How."));
+    assert_eq!(option.auto, Some(("query".into(), "queries".to_owned())));
+    assert_eq!(library.variants(&Request::new("main.wgsl")).unwrap().len(), 2, "auto is no variant");
+}
