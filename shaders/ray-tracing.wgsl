@@ -8,7 +8,8 @@
 //     fn trace(origin: vec3<f32>, direction: vec3<f32>, nearest: f32, farthest: f32) -> Hit
 //     fn occluded(origin: vec3<f32>, direction: vec3<f32>, nearest: f32, farthest: f32) -> bool
 
-#option RAYS bvh one_of [bvh, query] // How rays are traced: by traversal in WGSL, or by the adapter's ray queries, where it has them.
+#option RAYS bvh one_of [bvh, query] auto query where RAY_QUERIES // How rays are traced. bvh: by traversal in WGSL. query: by
+    // the adapter's ray queries. auto: by ray queries where the adapter has them and the scene fits, else by traversal.
 
 #import "mask.wgsl"
 #import "scene.wgsl"

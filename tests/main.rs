@@ -36,6 +36,7 @@ mod pictures;
 mod points;
 mod precision;
 mod program;
+mod rays;
 mod reference;
 mod reflective;
 mod reload;

@@ -239,6 +239,11 @@ impl Gpu {
         self.device.features().contains(Features::EXPERIMENTAL_RAY_QUERY)
     }
 
+    /// Returns whether shaders can query an acceleration structure over so many triangles.
+    pub fn can_query_rays(&self, triangles: u32) -> bool {
+        self.has_ray_queries() && triangles <= self.device.limits().max_blas_primitive_count
+    }
+
     /// Returns whether an indirect draw can have a first instance other than 0.
     pub fn has_first_instance(&self) -> bool {
         self.device.features().contains(Features::INDIRECT_FIRST_INSTANCE)

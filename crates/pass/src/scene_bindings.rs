@@ -39,7 +39,7 @@ pub fn of_global(name: &str) -> Option<SceneBindings> {
 
 /// The names of the traits of a scene: [`RecordContext::traits`](crate::RecordContext) has each of them. An
 /// `#option` of a user's shader that has such a name, in capitals, is set by the scene.
-pub const TRAITS: [&str; 15] = [
+pub const TRAITS: [&str; 16] = [
     "textured",
     "glossy",
     "emissive",
@@ -55,6 +55,8 @@ pub const TRAITS: [&str; 15] = [
     "directional_lights",
     "light_layers",
     "triangles",
+    // Of the adapter too: whether it traces rays through the scene itself.
+    "ray_queries",
 ];
 
 /// Fills in the scene bindings of the modules of outputs: those that the functions of each module's file read.

@@ -481,7 +481,10 @@ impl Renderer {
     fn link_context(&self) -> LinkContext {
         let scene = self.scene();
         let lights = self.lights.as_deref().unwrap_or(&scene.lights);
-        LinkContext { frame: self.size, traits: scene.traits_with(lights) }
+        let mut traits = scene.traits_with(lights);
+        let queries = self.gpu().can_query_rays(scene.triangles() as u32);
+        traits.values.insert("ray_queries".to_owned(), Value::Bool(queries));
+        LinkContext { frame: self.size, traits }
     }
 
     /// Loads the pipeline again, for another scene or size; nothing where none is set.

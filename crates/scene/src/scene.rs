@@ -334,6 +334,8 @@ impl Scene {
                 ("directional_lights", count(|kind| matches!(kind, LightKind::Directional))),
                 ("light_layers", Value::U32(lights.iter().map(Light::layers).sum())),
                 ("triangles", Value::U32(self.triangles() as u32)),
+                // Until an adapter is known.
+                ("ray_queries", Value::Bool(false)),
             ]
             .map(|(name, value)| (name.to_string(), value)),
         );

@@ -164,6 +164,10 @@ fn players(context: &Context, own: &Compiled, output: &str) -> Result<Vec<Player
 /// Returns the axis of a parameter: all values that it may have, or some around its default; `None` where there is no other.
 fn ladder(settable: &Settable) -> Option<Named> {
     let (setting, own) = (&settable.setting, &settable.value);
+    if own.as_text() == Some("auto") {
+        // The scene and the adapter choose best.
+        return None;
+    }
     let mut values: Vec<Value> = Vec::new();
     let (min, max) = (setting.min.unwrap_or(f64::NEG_INFINITY), setting.max.unwrap_or(f64::INFINITY));
     match (&setting.one_of[..], setting.ty) {
