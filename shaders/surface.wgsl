@@ -110,12 +110,28 @@ fn shading_normal(index: u32, unbent: vec3<f32>, uv: vec2<f32>, change: Change) 
 #if TEXTURED
     let layer = scene_materials[index].normal_texture;
     if layer != NO_TEXTURE {
-        let texel = texel_of(scene_textures_linear, uv, layer, change.uv_x, change.uv_y);
-        let scale = vec3(vec2(scene_materials[index].normal_scale), 1.0);
-        return bent_normal(unbent, (texel.xyz * 2.0 - 1.0) * scale, change);
+        return normal_by_texel(index, unbent, texel_of(scene_textures_linear, uv, layer, change.uv_x, change.uv_y), change);
     }
 #endif
     return unbent;
+}
+
+/// The same where a ray ends, at the finest level: the change is that along two edges of the triangle, whatever its size.
+fn shading_normal_on_triangle(index: u32, unbent: vec3<f32>, uv: vec2<f32>, change: Change) -> vec3<f32> {
+#if TEXTURED
+    let layer = scene_materials[index].normal_texture;
+    if layer != NO_TEXTURE {
+        let texel = textureSampleLevel(scene_textures_linear, scene_sampler_finest, uv, layer, 0.0);
+        return normal_by_texel(index, unbent, texel, change);
+    }
+#endif
+    return unbent;
+}
+
+/// The normal, bent by a texel of the material's normal map.
+fn normal_by_texel(index: u32, unbent: vec3<f32>, texel: vec4<f32>, change: Change) -> vec3<f32> {
+    let scale = vec3(vec2(scene_materials[index].normal_scale), 1.0);
+    return bent_normal(unbent, (texel.xyz * 2.0 - 1.0) * scale, change);
 }
 
 /// The flux that a surface reflects under a bent normal, over that under its own: it is lit by the cosine of the bent normal,

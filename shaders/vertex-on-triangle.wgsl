@@ -33,10 +33,9 @@ fn vertex_on_triangle(triangle: u32, barycentrics: vec2<f32>, direction: vec3<f3
     let uv = weights.x * a.uv + weights.y * b.uv + weights.z * c.uv;
     vertex.surface = surface(a.material, uv, vec2(0.0), vec2(0.0));
     let interpolated = weights.x * a.normal + weights.y * b.normal + weights.z * c.normal;
-    // The directions of the texture, over so small a part of the triangle that the finest level is read.
-    let part = 1.0 / 65536.0;
-    let change = Change(to_b * part, to_c * part, (b.uv - a.uv) * part, (c.uv - a.uv) * part);
-    vertex.normal = shading_normal(a.material, smooth_normal(interpolated, vertex.geometric), uv, change);
+    let change = Change(to_b, to_c, b.uv - a.uv, c.uv - a.uv);
+    vertex.normal =
+        shading_normal_on_triangle(a.material, smooth_normal(interpolated, vertex.geometric), uv, change);
     // A surface whose shading normal turns away reflects nothing to where the ray came from.
     if dot(vertex.normal, direction) >= 0.0 {
         vertex.surface.albedo = vec3(0.0);
