@@ -7,6 +7,7 @@ use anyhow::{Result, anyhow, bail};
 use blame::Player;
 use frame_graph::{LinkContext, Overrides, Resolved, Settable, Value, ValueType};
 use renderer::{Compiled, compile_options};
+use shader_library::AUTO;
 use tune::{Axis, Point};
 
 /// The factors on the default of a number.
@@ -164,7 +165,7 @@ fn players(context: &Context, own: &Compiled, output: &str) -> Result<Vec<Player
 /// Returns the axis of a parameter: all values that it may have, or some around its default; `None` where there is no other.
 fn ladder(settable: &Settable) -> Option<Named> {
     let (setting, own) = (&settable.setting, &settable.value);
-    if own.as_text() == Some("auto") {
+    if own.as_text() == Some(AUTO) {
         // The scene and the adapter choose best.
         return None;
     }
