@@ -239,7 +239,7 @@ fn run_in_miniature(wanted: fn(&str) -> bool) {
     let names: Vec<String> = names_in("studies").into_iter().filter(|name| wanted(name)).collect();
     assert!(names.len() >= 3, "{names:?}");
     for name in names {
-        let mut arguments = vec![&*name, "-o", &name, "--quick", "--size", "16x12", "--frames", "2"];
+        let mut arguments = vec![&*name, "-o", &name, "--quick", "--size", "16x12", "--frames", "3"];
         arguments.extend(["--scene", "cornell-box", "--json"]);
         for set in ["rsm.size=32", "map=32", "lights=16"] {
             arguments.extend(["--set", set]);
