@@ -195,7 +195,10 @@ impl<'a> Linker<'a> {
         }
         crossed.push(node);
         match off {
-            Off::Input(input) => self.link_into(node as usize, input),
+            // An inserted pass has no link of its own to the input that it is fed by.
+            Off::Input(input) => {
+                self.link_into(node as usize, input).or(self.nodes[node as usize].decl.feed.as_ref())
+            }
             Off::Link(link) => Some(link),
         }
     }

@@ -107,6 +107,16 @@ fn insert_stands_between_two_ports() {
     assert_eq!(read(&plan, "image", "indirect"), ["filter.irradiance"]);
 }
 
+/// The input that an inserted pass is fed by is not linked in the file, and `off:` may name it all the same.
+#[test]
+fn an_inserted_pass_that_is_off_hands_on_what_it_is_fed() {
+    let plan = plan(
+        r#"patch: [ Insert(name: "soft", pass: Pass(kind: "blur", when: "scene.glossy", off: Input("irradiance")), between: ("gather.irradiance", "filter.irradiance")) ]"#,
+    );
+    assert!(plan.pass("soft").is_none());
+    assert_eq!(read(&plan, "filter", "irradiance"), ["gather.irradiance"]);
+}
+
 #[test]
 fn insert_puts_a_sub_graph_into_a_link() {
     let insert = |decl: &str, between: &str| {
