@@ -12,6 +12,7 @@
     // distance and the angle (ACRSM Eq. 3.7).
 
 #import "dispatch.wgsl"
+#import "owners.wgsl"
 #import "scene.wgsl"
 #import "virtual-lights.wgsl"
 
@@ -44,8 +45,6 @@ var<storage, read_write> dispatches: array<u32, 6>;
 
 /// Threads of a workgroup.
 const GROUP: u32 = 256u;
-/// The cluster of a light that has none yet.
-const NO_OWNER: u32 = 0xffffffffu;
 
 fn light_count() -> u32 {
     return min(lights.count, settings.lights_count);

@@ -22,6 +22,7 @@
 #import "color.wgsl"
 #import "dispatch.wgsl"
 #import "neighbourhood.wgsl"
+#import "owners.wgsl"
 
 struct Settings {
     points_count: u32,
@@ -78,7 +79,6 @@ struct Query {
 var<private> nearest: array<vec4<f32>, VECTORS>;
 
 #if OWNERS
-const NO_OWNER: u32 = 0xffffffffu;
 /// The nearest neighbour so far, of equals the first; also one in the same place.
 var<private> owner: u32;
 /// Its squared distance [units²].

@@ -15,7 +15,8 @@ pub const INTERFACE: Interface = Interface::new(
         "for each light or point, the index of its owner; 2^32 - 1 for none",
     )],
 )
-.with_facts(&[COUNT.decl()]);
+.with_facts(&[COUNT.decl()])
+.with_folder("crates/interfaces/owners");
 
 /// Describes an output of the owners of at most `count` lights or points.
 pub fn output(port: &str, count: u32) -> OutputDesc {

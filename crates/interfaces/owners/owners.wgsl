@@ -1,0 +1,4 @@
+// The interface Owners.
+
+/// What has no owner.
+const NO_OWNER: u32 = 0xffffffffu;
