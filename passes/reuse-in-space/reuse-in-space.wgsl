@@ -27,8 +27,8 @@ struct Settings {
     reservoirs_least: f32,
     /// Pixels around each whose lights it takes. More: less noise, and more time. [default: 5, min: 0, max: 32]
     neighbours: u32,
-    /// How far away they are at most [px]. More: lights that differ more, but pixels that are less alike. [default: 16.0, min: 1.0,
-    /// max: 1024.0]
+    /// How far away they are at most, in heights of the view; at least 4 px. More: lights that differ more, but pixels that are less
+    /// alike, and so more noise. [default: 0.03, min: 0.0, max: 1.0]
     radius: f32,
     /// Weights of the lights of other pixels. pairwise: by the pixel itself and one other. balance: by all of them, with time that
     /// grows with the square of their number. constant: by the numbers of lights that they were chosen from (Bitterli et al. 2020,
@@ -40,6 +40,8 @@ struct Settings {
 
 const PAIRWISE: u32 = 0u;
 const BALANCE: u32 = 1u;
+/// The least radius [px]: within it are enough other pixels.
+const LEAST_RADIUS: f32 = 4.0;
 
 var<uniform> settings: Settings;
 var<storage, read> reservoirs: Reservoirs;
@@ -61,7 +63,8 @@ struct Neighbour {
 
 /// Returns the k-th pixel around one: uniform in a disc.
 fn neighbour(around: SurfaceAround, slot: u32, key: u32, k: u32) -> Neighbour {
-    let distance = settings.radius * sqrt(unit_float(hash2(key, 3u * k)));
+    let radius = max(settings.radius * f32(settings.view_size.y), LEAST_RADIUS);
+    let distance = radius * sqrt(unit_float(hash2(key, 3u * k)));
     let angle = 2.0 * PI * unit_float(hash2(key, 3u * k + 1u));
     let other = around.pixel + vec2<i32>(round(distance * vec2(cos(angle), sin(angle))));
     let pixel = vec2<u32>(other);

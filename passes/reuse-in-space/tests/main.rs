@@ -74,7 +74,7 @@ fn lights_of_other_surfaces_are_not_taken() {
     let own: Vec<Reservoir> =
         (0..SIDE * SIDE).map(|i| reservoir(lights[usize::from(left(i))], 1.0, 1.0)).collect();
     let harness = Harness::new(PASS).middle_of_plane(see).reservoirs("reservoirs", 1, &own);
-    let Some(found) = reuse(harness.set("neighbours", 8).set("radius", 20.0f32)) else { return };
+    let Some(found) = reuse(harness.set("neighbours", 8).set("radius", 0.2f32)) else { return };
     assert!(found.iter().zip(&own).all(|(found, own)| found.light == own.light));
     assert!(found.iter().all(|reservoir| (reservoir.weight - 1.0).abs() < 1e-4 && reservoir.count >= 1.0));
     assert!(found.iter().any(|reservoir| reservoir.count > 4.0));
