@@ -1,5 +1,6 @@
 // A mean over frames that follows what pixels show. [Nehab et al. 2007; Salvi 2016]
 
+#import "color.wgsl"
 #import "reprojection.wgsl"
 
 var reprojection_place: texture_2d<f32>;
@@ -7,10 +8,13 @@ var reprojection_texels: texture_2d<u32>;
 var past_value: texture_2d<f32>;
 var past_frames: texture_2d<f32>;
 
-/// A mean over frames, and the number of frames; 0 where there is none.
+/// A mean over frames.
 struct FrameMean {
     value: vec4<f32>,
+    /// 0 where there is none.
     frames: f32,
+    /// Of the luminance of the frames.
+    variance: f32,
 }
 
 /// The least weight of texels that count as a mean.
@@ -30,7 +34,7 @@ fn mean_before(pixel: vec2<u32>) -> FrameMean {
     let first = vec2<i32>(floor(place - 0.5));
     let share = place - 0.5 - vec2<f32>(first);
     var linear = vec4(0.0);
-    var frames = 0.0;
+    var frames = vec2(0.0);
     var weights = 0.0;
     var least = vec4(FAR);
     var most = vec4(-FAR);
@@ -44,17 +48,18 @@ fn mean_before(pixel: vec2<u32>) -> FrameMean {
         let texel = first + vec2<i32>(at);
         let found = textureLoad(past_value, texel, 0);
         linear += weight * found;
-        frames += weight * textureLoad(past_frames, texel, 0).x;
+        frames += weight * textureLoad(past_frames, texel, 0).xy;
         weights += weight;
         least = min(least, found);
         most = max(most, found);
     }
     if weights < LEAST_WEIGHT {
-        return FrameMean(vec4(0.0), 0.0);
+        return FrameMean(vec4(0.0), 0.0, 0.0);
     }
     let size = vec2<i32>(textureDimensions(past_value));
+    frames /= weights;
     if (texels & ALL_TEXELS) != ALL_TEXELS || all(share == vec2(0.0)) || any(first < vec2(1)) || any(first + 2 >= size) {
-        return FrameMean(linear / weights, frames / weights);
+        return FrameMean(linear / weights, frames.x, frames.y);
     }
     let columns = cubic_weights(share.x);
     let rows = cubic_weights(share.y);
@@ -65,7 +70,7 @@ fn mean_before(pixel: vec2<u32>) -> FrameMean {
         }
     }
     // A cubic overshoots at edges.
-    return FrameMean(clamp(cubic, least, most), frames);
+    return FrameMean(clamp(cubic, least, most), frames.x, frames.y);
 }
 
 const FAR: f32 = 3e38;
@@ -92,8 +97,10 @@ fn near_frame(before: vec4<f32>, frame: texture_2d<f32>, pixel: vec2<u32>, devia
     return clamp(before, centre + mean - spread, centre + mean + spread);
 }
 
-/// The mean of at most so many frames, with one frame more.
+/// The mean of at most so many frames, with one frame more. [Welford 1962]
 fn with_frame(before: FrameMean, now: vec4<f32>, most: u32) -> FrameMean {
     let frames = min(before.frames + 1.0, f32(most));
-    return FrameMean(before.value + (now - before.value) / frames, frames);
+    let away = luminance(now.rgb - before.value.rgb);
+    let variance = (1.0 - 1.0 / frames) * (before.variance + away * away / frames);
+    return FrameMean(before.value + (now - before.value) / frames, frames, variance);
 }

@@ -1,4 +1,4 @@
-// Averages irradiance by a wavelet filter that stops at edges of the geometry. [Dammertz et al. 2010]
+// Averages irradiance by a wavelet filter that stops at edges of the geometry. [Dammertz et al. 2010; Lee 1980]
 //
 // An iteration takes 5×5 pixels `stride` apart, with the weights of a cubic B-spline, times the likeness of the surfaces that
 // they see.
@@ -7,9 +7,16 @@
 
 #input view: GBuffer // Determines which pixels see the same surface.
 #input irradiance: Irradiance like view // The irradiance to average; of the size of `view`.
+#input mean: FrameMean optional // The irradiance as a mean over frames, with their variance: where pixels differ by more than their
+    // noise, they are averaged less.
 #output filtered: Irradiance // The averages.
 #exact filter: input irradiance // Irradiance as it is gathered.
 
+#option MEAN false // whether the noise of the irradiance is known
+
+#if MEAN
+#import "color.wgsl"
+#endif
 #import "surface-around.wgsl"
 
 struct Settings {
@@ -25,15 +32,55 @@ struct Settings {
     /// Power of the cosine between normals. Smaller: blur across creases. Larger: noise on curved surfaces. [default: 32,
     /// min: 0.0, max: 1024.0]
     normal_power: f32,
+    /// Factor on the noise of the irradiance, where `mean` is linked. More: less noise, but less detail. 0: nothing is averaged where
+    /// there are two frames. [default: 2.0, min: 0.0, max: 1000.0]
+    noise: f32,
+    /// 1 for the last iteration.
+    last: u32,
 }
 
 var<uniform> settings: Settings;
+/// The irradiance, or what the iteration before has made of it.
+var source: texture_2d<f32>;
+#if MEAN
 var irradiance: texture_2d<f32>;
+var mean_frames: texture_2d<f32>;
+#endif
 var filtered: texture_storage_2d<rgba32float, write>;
 
 /// The cubic B-spline at offsets of 0, 1 and 2.
 const SPLINE = array<f32, 3>(0.375, 0.25, 0.0625);
 
+#if MEAN
+/// The share of noise in how pixels around one differ from their average: what is left of the filter there. Where all have one frame,
+/// nothing is known of their noise, and it is 1. [Lee 1980]
+fn share_of_noise(around: SurfaceAround, average: f32) -> f32 {
+    var spread = 0.0;
+    var noise = 0.0;
+    var known = 0.0;
+    for (var y = -2; y <= 2; y++) {
+        for (var x = -2; x <= 2; x++) {
+            let other = around.pixel + vec2(x, y) * i32(settings.stride);
+            if any(other < vec2(0)) || any(other >= vec2<i32>(settings.view_size)) {
+                continue;
+            }
+            let alike = select(likeness(around, other, settings.plane, settings.normal_power), 1.0, x == 0 && y == 0);
+            let weight = SPLINE[abs(x)] * SPLINE[abs(y)] * alike;
+            let frames = textureLoad(mean_frames, other, 0).xy;
+            if frames.x <= 1.0 {
+                continue;
+            }
+            let away = luminance(textureLoad(irradiance, other, 0).rgb) - average;
+            spread += weight * away * away;
+            noise += weight * frames.y / (frames.x - 1.0);
+            known += weight;
+        }
+    }
+    return select(min(settings.noise * noise / max(spread, 1e-37), 1.0), 1.0, known <= 0.0);
+}
+#endif
+
+/// Averages once more. In the last iteration the average takes its share.
 @compute @workgroup_size(8, 8)
 fn smooth_once(@builtin(global_invocation_id) id: vec3<u32>) {
     let pixel = id.xy;
@@ -49,7 +96,7 @@ fn smooth_once(@builtin(global_invocation_id) id: vec3<u32>) {
     let around = surface_around(pixel, settings.view_size, depth, normal);
     // The centre is like itself, whatever rounding says, so the weights never sum to zero.
     let own = SPLINE[0] * SPLINE[0];
-    var sum = own * textureLoad(irradiance, pixel, 0);
+    var sum = own * textureLoad(source, pixel, 0);
     var weights = own;
     for (var y = -2; y <= 2; y++) {
         for (var x = -2; x <= 2; x++) {
@@ -59,9 +106,16 @@ fn smooth_once(@builtin(global_invocation_id) id: vec3<u32>) {
             }
             let alike = likeness(around, other, settings.plane, settings.normal_power);
             let weight = SPLINE[abs(x)] * SPLINE[abs(y)] * alike;
-            sum += weight * textureLoad(irradiance, other, 0);
+            sum += weight * textureLoad(source, other, 0);
             weights += weight;
         }
     }
-    textureStore(filtered, pixel, sum / weights);
+    var average = sum / weights;
+#if MEAN
+    if settings.last != 0u {
+        let single = textureLoad(irradiance, pixel, 0);
+        average = mix(single, average, share_of_noise(around, luminance(average.rgb)));
+    }
+#endif
+    textureStore(filtered, pixel, average);
 }

@@ -35,7 +35,7 @@ var radiance: texture_2d<f32>;
 var<storage, read> still: Progress;
 #endif
 var mean_value: texture_storage_2d<rgba32float, write>;
-var mean_frames: texture_storage_2d<r32float, write>;
+var mean_frames: texture_storage_2d<rg32float, write>;
 var image: texture_storage_2d<rgba32float, write>;
 
 #if PAST
@@ -58,6 +58,7 @@ fn accumulate(@builtin(global_invocation_id) id: vec3<u32>) {
     let now = textureLoad(radiance, id.xy, 0);
     var mean = now;
     var frames = 1.0;
+    var variance = 0.0;
 #if PAST
     // Where there is no history, it is of no frames.
     var before = mean_before(id.xy);
@@ -70,9 +71,10 @@ fn accumulate(@builtin(global_invocation_id) id: vec3<u32>) {
         let with_now = with_frame(before, now, most);
         mean = with_now.value;
         frames = with_now.frames;
+        variance = with_now.variance;
     }
 #endif
     textureStore(mean_value, id.xy, mean);
-    textureStore(mean_frames, id.xy, vec4(frames));
+    textureStore(mean_frames, id.xy, vec4(frames, variance, 0.0, 0.0));
     textureStore(image, id.xy, mean);
 }

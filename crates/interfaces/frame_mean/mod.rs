@@ -14,8 +14,8 @@ pub const INTERFACE: Interface = Interface::new(
         ),
         Member::required(
             "frames",
-            Content::Texture(Format::R32Float),
-            "the number of frames that it is the mean of",
+            Content::Texture(Format::Rg32Float),
+            "the number of frames that it is the mean of, and the variance of their luminance [unit²]",
         ),
     ],
 );

@@ -27,8 +27,11 @@ pub struct Followed {
 pub const MOVED: Followed =
     Followed { now: [2.0, 2.0, 6.0, 1.0], before: 5.0, motion: [0.3, -0.4], texels: 15, still: 9 };
 
+/// The mean, the number of its frames and the variance of their luminance, row by row.
+pub type Means = (Vec<[f32; 4]>, Vec<f32>, Vec<f32>);
+
 impl Followed {
-    /// Returns the mean and the number of its frames, row by row, that a pass makes of the frame at its input `name`, of the
+    /// Returns the mean, the number of its frames and their variance, row by row, that a pass makes of the frame at its input `name`, of the
     /// interface `interface`; `None` where there is no adapter.
     ///
     /// # Panics
@@ -39,7 +42,7 @@ impl Followed {
         (name, interface): (&str, &str),
         shown: &str,
         set: &[(&str, u32)],
-    ) -> Option<(Vec<[f32; 4]>, Vec<f32>)> {
+    ) -> Option<Means> {
         let Followed { now, before, motion, texels, still } = self;
         let size = (SIDE, SIDE);
         let place = |x: u32, y: u32| [x as f32 + 0.5 + motion[0], y as f32 + 0.5 + motion[1]];
@@ -50,7 +53,7 @@ impl Followed {
         ];
         let past = vec![
             picture("value", Format::Rgba32Float, size, |x, y| ramp(x as f32, y as f32)),
-            picture("frames", Format::R32Float, size, |_, _| before),
+            picture("frames", Format::Rg32Float, size, |_, _| [before, 0.0]),
         ];
         let mut harness = Harness::new(pass)
             .frame(SIDE, SIDE)
@@ -64,7 +67,8 @@ impl Followed {
         let outputs = harness.run()?;
         let mean = outputs.read("mean.value");
         assert_eq!(mean, outputs.read::<[f32; 4]>(shown));
-        Some((mean, outputs.read("mean.frames")))
+        let (frames, variance) = outputs.read::<[f32; 2]>("mean.frames").into_iter().map(Into::into).unzip();
+        Some((mean, frames, variance))
     }
 }
 

@@ -34,7 +34,8 @@ fn record(cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let to = if i + 1 == iterations { "filtered" } else { scratch(i) };
         Compute::per_texel(shader.clone(), "smooth_once", cx.size("view"))
             .value("stride", 1 << i)
-            .bind("irradiance", from)
+            .value("last", u32::from(i + 1 == iterations))
+            .bind("source", from)
             .bind("filtered", to)
     });
     Ok(Recording::of(steps))
