@@ -28,6 +28,7 @@ mod judge;
 mod lamps;
 mod linking;
 mod lsp;
+mod mixed;
 #[cfg(unix)]
 mod offline;
 mod pairs;

@@ -269,7 +269,7 @@ fn run_in_miniature(wanted: fn(&str) -> bool) {
             "ism-fig-5" | "ism-fig-11" | "ism-fig-12" => &["lights=64", "map=32", "rsm.size=32"],
             "filters" | "tcas-fig-6" | "tcas-weights" | "imperfect-maps" | "acrsm-fig-3-10"
             | "acrsm-fig-6-1" | "acrsm-fig-6-2" | "approximations" | "false-shadows" | "filling-maps"
-            | "ism-fig-8" => {
+            | "ism-fig-8" | "mixed-maps" => {
                 &["lights=64", "rsm.size=32"]
             }
             "approximations-smc-ir-frame" => &["lights=16"],

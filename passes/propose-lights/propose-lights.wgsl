@@ -50,7 +50,7 @@ struct Settings {
     /// lights that only one of them could choose make sums wrong. [default: 0.01, min: 0.0, max: 1000.0]
     least: f32,
     /// Visibility in the target of a light that seems to be hidden. More: rays are spent on lights that are hidden. Less: brighter dots
-    /// where the guess was wrong. With 0, light is lost there. [default: 0.1, min: 0.0, max: 1.0]
+    /// where the guess was wrong. With 0, light is lost there. [default: 0.3, min: 0.0, max: 1.0]
     doubt: f32,
     /// The candidates that this dispatch takes: `begin` to `end`.
     begin: u32,
@@ -156,7 +156,7 @@ fn resample(row: Row) {
 #endif
         let value = contribution(by, light, receiver) * guess;
         let weight = value / (proposal.probability * candidates);
-        offer(&choice, Reservoir(light, 0.0, 0.0, guess, 0u), value, weight, unit_float(hash2(key, 2u * i + 1u)));
+        offer(&choice, Reservoir(light, 0.0, 0.0, guess, proposal.index), value, weight, unit_float(hash2(key, 2u * i + 1u)));
     }
     if settings.last == 0u {
         choice.reservoir.weight = choice.sum;

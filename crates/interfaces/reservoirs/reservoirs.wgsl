@@ -17,7 +17,8 @@ struct Reservoir {
     count: f32,
     /// Guess of the visibility of the light, which was a factor of its target: at least the fact `doubt`, at most 1.
     guess: f32,
-    pad0: u32,
+    /// The light's place among those of the frame in which it was chosen.
+    index: u32,
 }
 
 /// The reservoirs of all pixels.

@@ -44,6 +44,16 @@ pub const INTERFACE: Interface = Interface::new(
             Content::Struct(virtual_lights::LIGHTS),
             "where lights share maps: the lights of the maps",
         ),
+        Member::optional(
+            "exact",
+            Content::TextureArray(Format::R32Float),
+            "where a few lights have maps of another kind: those, as in `atlas`",
+        ),
+        Member::optional(
+            "exact_places",
+            Content::Array("u32"),
+            "where a few lights have maps of another kind, for each light: which of these is its own; 2^32 - 1 for none",
+        ),
     ],
 )
 .with_facts(&[TILE.decl(), COLUMNS.decl(), ROWS.decl(), DEPTH_BIAS.decl(), SLOPE_BIAS.decl()])

@@ -26,7 +26,7 @@ pub const TARGET: (f32, f32, f32) = (5.0, 0.5, 0.25);
 
 /// Returns a reservoir of a light that was chosen with some probability among `count`.
 pub fn reservoir(light: VirtualLight, probability: f64, count: f32) -> Reservoir {
-    Reservoir { light, weight: (1.0 / probability) as f32, count, guess: 1.0, pad0: 0 }
+    Reservoir { light, weight: (1.0 / probability) as f32, count, guess: 1.0, index: light.texel }
 }
 
 /// Returns lights that differ in flux, place and side, over the square of the scene `plane`: each has its index as its texel.
