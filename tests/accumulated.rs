@@ -103,7 +103,7 @@ fn a_sample_runs_what_differs_between_samples_alone() {
     let of_maps = ["importance", "sums", "shadows/splat", "filter"];
     for (pipeline, same, other) in [
         ("ism-invtm-accumulated", &["rsm"][..], &of_maps[..]),
-        ("restir-vpl-accumulated", &["rsm", "importance", "sums"], &["propose", "near"]),
+        ("restir-vpl-accumulated", &["rsm", "flux", "sums"], &["propose", "near"]),
     ] {
         let Some(mut renderer) = crate::adapter::renderer(pipeline, "cornell-box-lights", SIZE, FEW) else { return };
         renderer.frame().unwrap();
