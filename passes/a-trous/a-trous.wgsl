@@ -51,6 +51,24 @@ var filtered: texture_storage_2d<rgba32float, write>;
 /// The cubic B-spline at offsets of 0, 1 and 2.
 const SPLINE = array<f32, 3>(0.375, 0.25, 0.0625);
 
+/// A pixel of the window.
+struct Tap {
+    pixel: vec2<i32>,
+    /// 0 outside of the view.
+    weight: f32,
+}
+
+/// Returns the pixel so many strides from the centre. The centre is like itself, whatever rounding says, so weights never sum to zero.
+fn tap_at(around: SurfaceAround, x: i32, y: i32) -> Tap {
+    let pixel = around.pixel + vec2(x, y) * i32(settings.stride);
+    if any(pixel < vec2(0)) || any(pixel >= vec2<i32>(settings.view_size)) {
+        return Tap(pixel, 0.0);
+    }
+    let is_centre = x == 0 && y == 0;
+    let alike = select(likeness(around, pixel, settings.plane, settings.normal_power), 1.0, is_centre);
+    return Tap(pixel, SPLINE[abs(x)] * SPLINE[abs(y)] * alike);
+}
+
 #if MEAN
 /// The share of noise in how pixels around one differ from their average: what is left of the filter there. Where all have one frame,
 /// nothing is known of their noise, and it is 1. [Lee 1980]
@@ -60,20 +78,15 @@ fn share_of_noise(around: SurfaceAround, average: f32) -> f32 {
     var known = 0.0;
     for (var y = -2; y <= 2; y++) {
         for (var x = -2; x <= 2; x++) {
-            let other = around.pixel + vec2(x, y) * i32(settings.stride);
-            if any(other < vec2(0)) || any(other >= vec2<i32>(settings.view_size)) {
+            let tap = tap_at(around, x, y);
+            let frames = textureLoad(mean_frames, tap.pixel, 0).xy;
+            if tap.weight <= 0.0 || frames.x <= 1.0 {
                 continue;
             }
-            let alike = select(likeness(around, other, settings.plane, settings.normal_power), 1.0, x == 0 && y == 0);
-            let weight = SPLINE[abs(x)] * SPLINE[abs(y)] * alike;
-            let frames = textureLoad(mean_frames, other, 0).xy;
-            if frames.x <= 1.0 {
-                continue;
-            }
-            let away = luminance(textureLoad(irradiance, other, 0).rgb) - average;
-            spread += weight * away * away;
-            noise += weight * frames.y / (frames.x - 1.0);
-            known += weight;
+            let away = luminance(textureLoad(irradiance, tap.pixel, 0).rgb) - average;
+            spread += tap.weight * away * away;
+            noise += tap.weight * frames.y / (frames.x - 1.0);
+            known += tap.weight;
         }
     }
     return select(min(settings.noise * noise / max(spread, 1e-37), 1.0), 1.0, known <= 0.0);
@@ -94,20 +107,17 @@ fn smooth_once(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let normal = normalize(textureLoad(view_normal, pixel, 0).xyz);
     let around = surface_around(pixel, settings.view_size, depth, normal);
-    // The centre is like itself, whatever rounding says, so the weights never sum to zero.
-    let own = SPLINE[0] * SPLINE[0];
+    let own = tap_at(around, 0, 0).weight;
     var sum = own * textureLoad(source, pixel, 0);
     var weights = own;
     for (var y = -2; y <= 2; y++) {
         for (var x = -2; x <= 2; x++) {
-            let other = vec2<i32>(pixel) + vec2(x, y) * i32(settings.stride);
-            if (x == 0 && y == 0) || any(other < vec2(0)) || any(other >= vec2<i32>(settings.view_size)) {
+            let tap = tap_at(around, x, y);
+            if tap.weight <= 0.0 || (x == 0 && y == 0) {
                 continue;
             }
-            let alike = likeness(around, other, settings.plane, settings.normal_power);
-            let weight = SPLINE[abs(x)] * SPLINE[abs(y)] * alike;
-            sum += weight * textureLoad(source, other, 0);
-            weights += weight;
+            sum += tap.weight * textureLoad(source, tap.pixel, 0);
+            weights += tap.weight;
         }
     }
     var average = sum / weights;

@@ -31,8 +31,7 @@ pub const MOVED: Followed =
 pub type Means = (Vec<[f32; 4]>, Vec<f32>, Vec<f32>);
 
 impl Followed {
-    /// Returns the mean, the number of its frames and their variance, row by row, that a pass makes of the frame at its input `name`, of the
-    /// interface `interface`; `None` where there is no adapter.
+    /// Returns what a pass makes of the frame at its input `name`, of the interface `interface`; `None` where there is no adapter.
     ///
     /// # Panics
     /// Where its output `shown` is another picture than the mean.
