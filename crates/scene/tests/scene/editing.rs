@@ -1,7 +1,7 @@
 //! Edits of scene files: what is set is read back, all else stays as it is written.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use data_file::{Files, Source};
 use glam::{DVec3, Vec3};
@@ -18,7 +18,7 @@ const ODD: &str = include_str!("odd.ron");
 const BARE: &str = "Scene(geometry: BuiltIn(\"cube\"))";
 
 /// The texts of all shipped scenes, with a cube in place of their geometry, and of odder ones.
-fn texts() -> Vec<Arc<Source>> {
+static TEXTS: LazyLock<Vec<Arc<Source>>> = LazyLock::new(|| {
     let shipped = Shipped.list().into_iter().map(|name| {
         let text = Shipped.read(&name).expect("a file").text.clone();
         let cube = |part: &str| part.split_once("\")").map(|(_, rest)| format!("cube\"){rest}"));
@@ -32,7 +32,7 @@ fn texts() -> Vec<Arc<Source>> {
     let windows = ODD.replace('\n', "\r\n");
     let odd = [("odd", ODD), ("windows", &windows), ("bare", BARE), ("empty keys", EMPTY_KEYS)];
     shipped.chain(odd.map(|(name, text)| Source::new(name, text))).collect()
-}
+});
 
 const EMPTY_KEYS: &str = "Scene(
   geometry: BuiltIn(\"cube\"), lights: [Point(position: (0, 3, 0), intensity: (1, 1, 1))],
@@ -226,8 +226,7 @@ proptest! {
 
     #[test]
     fn what_is_set_is_read_back_and_comments_remain(file in any::<prop::sample::Index>(), draw in draw()) {
-        let texts = texts();
-        let source = file.get(&texts);
+        let source = file.get(&TEXTS);
         let was = scene_of(&source.text);
         let edit = make(&was, &draw, false);
         let text = edited(source, &edit).unwrap_or_else(|errors| panic!("{errors}"));
@@ -245,8 +244,7 @@ proptest! {
 
     #[test]
     fn the_later_of_two_edits_holds(file in any::<prop::sample::Index>(), first in draw(), second in draw()) {
-        let texts = texts();
-        let source = file.get(&texts);
+        let source = file.get(&TEXTS);
         let was = scene_of(&source.text);
         let (first, second) = (make(&was, &first, true), make(&was, &second, true));
         let both = edit_text(&edit_text(&source.text, &first), &second);
@@ -257,7 +255,7 @@ proptest! {
 
 #[test]
 fn an_edit_of_nothing_and_of_equal_values_changes_nothing() {
-    for source in texts() {
+    for source in &*TEXTS {
         let scene = scene_of(&source.text);
         assert_eq!(edit_text(&source.text, &SceneEdit::default()), source.text, "{}", source.name);
         if source.text.contains("keyframes") || !source.text.contains("camera:") {
