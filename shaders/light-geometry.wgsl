@@ -14,8 +14,9 @@
 #import "virtual-lights.wgsl"
 
 /// Geometry term of a light without its visibility [1/m²], cosθ cosθ' / (π d²), or the cosine alone where the light is infinitely
-/// far: what remains after the bound, and what the bound removes. `clamp` is the distance of the bound as a fraction of the scene's
-/// dense extent; `area_bound` is that distance in radii of a disc of the light's area, where GEOMETRY is bounded.
+/// far: what remains after the bounds, and what they remove. Of a light nearer than b, which is `clamp` as a fraction of the scene's
+/// dense extent, the share d² / b² remains; `area_bound` is the distance, in radii of a disc of the light's area, below which a light
+/// gives no more, where GEOMETRY is bounded.
 fn light_geometry(
     light: VirtualLight,
     at: vec3<f32>,
@@ -29,19 +30,17 @@ fn light_geometry(
     let offset = at - light.position;
     // Below the rounding of positions, neither the distance nor the light's direction is meaningful.
     let rounding = 1e-6 * scene_info.extent;
-    let closest = clamp * scene_info.dense_extent;
 #if GEOMETRY == disc
-    let radius = max(closest, rounding);
-    return vec2(disc_irradiance(offset, light.normal, normal, max(light.area / PI, radius * radius)), 0.0);
+    let terms = vec2(disc_irradiance(offset, light.normal, normal, max(light.area / PI, rounding * rounding)), 0.0);
+#elif GEOMETRY == bounded
+    let terms = bounded_geometry(offset, light.normal, normal, rounding, area_bound * area_bound * light.area, 0.0);
 #else
-    var least = PI * closest * closest;
-    var disc = light.area;
-#if GEOMETRY == bounded
-    least = max(least, area_bound * area_bound * light.area);
-    disc = 0.0;
+    let terms = bounded_geometry(offset, light.normal, normal, rounding, 0.0, light.area);
 #endif
-    return bounded_geometry(offset, light.normal, normal, rounding, least, disc);
-#endif
+    let near = clamp * scene_info.dense_extent;
+    let distance2 = max(dot(offset, offset), rounding * rounding);
+    let share = min(distance2 / max(near * near, 1e-37), 1.0);
+    return vec2(terms.x * share, terms.y + terms.x * (1.0 - share));
 }
 
 /// Whether a light is before a plane through a receiver: no light arrives from behind it, even where a bent normal faces the light.

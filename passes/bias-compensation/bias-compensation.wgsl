@@ -1,16 +1,17 @@
 // Returns by short rays the light that the bound of virtual lights took away. [Kollig & Keller 2004]
 //
-// Many lights bounded at b give the share d² / b² of the light that a surface at distance d < b sends.
+// Of the light that a surface at distance d < b sends, virtual lights give the share d² / b².
 // The rest comes along rays of length b over the cosine: π times the mean of (1 - d² / b²) times the radiance that
 // is reflected where they end.
 //
 // The pixels of a window of the interleaving share one stratified set of rays, as they share one set of lights.
 //
-// compensated: rgba32float [W/m²]; alpha is 0, since nothing is left out.
+// compensated: rgba32float [W/m²]; alpha is what bounds took away, less what the rays returned. As a difference of two estimates it can be
+// negative at a pixel.
 
 #input view: GBuffer // The pixels at which light was gathered.
-#input irradiance: Irradiance like view with clamp // The irradiance of lights that are bounded at one distance, the fact `clamp`:
-    // the output of `gather` itself, with `area_bound` 0 and `geometry` "bounded".
+#input irradiance: Irradiance like view with clamp // The irradiance of lights that give less within one distance, the fact `clamp`:
+    // the output of `gather` itself.
 #output compensated: Irradiance(
     interleave_x: irradiance.interleave_x?,
     interleave_y: irradiance.interleave_y?,
@@ -46,13 +47,14 @@ fn compensate(@builtin(global_invocation_id) id: vec3<u32>) {
     if any(id.xy >= settings.view_size) {
         return;
     }
-    var whole = vec4(textureLoad(irradiance, id.xy, 0).rgb, 0.0);
+    var whole = textureLoad(irradiance, id.xy, 0);
     let depth = textureLoad(view_depth, id.xy, 0).x;
     let bound = settings.irradiance_clamp * scene_info.dense_extent;
     if depth > 0.0 && bound > 0.0 {
         let at = camera.position + pixel_ray(vec2<f32>(id.xy), settings.view_size) * depth;
         let normal = normalize(textureLoad(view_normal, id.xy, 0).xyz);
-        whole += vec4(near_field(id.xy, at, normal, plane_normal(id.xy, normal), bound), 0.0);
+        let returned = near_field(id.xy, at, normal, plane_normal(id.xy, normal), bound);
+        whole += vec4(returned, -luminance(returned));
     }
     textureStore(compensated, id.xy, whole);
 }

@@ -10,7 +10,7 @@
 #output irradiance: Irradiance(
     interleave_x: min(settings.interleave_x, view.width),
     interleave_y: min(settings.interleave_y, view.height),
-    clamp: settings.clamp when settings.area_bound == 0 && settings.geometry == 'bounded',
+    clamp: settings.clamp,
 ) // Irradiance, with noise if interleaved.
 #output reflected: Radiance // What is reflected specularly, with noise if interleaved.
 #exact interleaving: set(interleave_x: 1, interleave_y: 1) // Each pixel takes all lights.
@@ -32,10 +32,11 @@ struct Settings {
     /// The lights that form a subset. runs: consecutive lights. strides: every (n·m)-th light. [default: "runs", one_of: ["runs",
     /// "strides"]]
     subsets: u32,
-    /// Distance below which a light's geometry term is bounded, as a fraction of the scene's dense extent; 0 is no such bound.
+    /// Distance b below which a light gives only d² / b² of what it would, as a fraction of the scene's dense extent; 0 is no such bound.
     /// Larger: smaller bright spots near lights, but more energy lost near corners. [default: 0.0, min: 0.0, max: 1.0]
     clamp: f32,
-    /// The same in radii of a disc of the area that each light stands for, where `geometry` is bounded. 0 is no such bound.
+    /// Distance below which a light gives no more, in radii of a disc of the area that it stands for, where `geometry` is bounded. 0 is
+    /// no such bound.
     /// [default: 1.0, min: 0.0, max: 100.0]
     area_bound: f32,
     /// How surfaces reflect specularly. ggx: microfacets, as glTF's materials and the path tracer have them. phong: cosᴺ of the angle

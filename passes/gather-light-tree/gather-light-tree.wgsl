@@ -13,7 +13,7 @@
 #output irradiance: Irradiance(
     interleave_x: min(settings.interleave_x, view.width),
     interleave_y: min(settings.interleave_y, view.height),
-    clamp: settings.clamp when settings.area_bound == 0 && settings.geometry == 'bounded',
+    clamp: settings.clamp,
 ) // Diffuse irradiance, with noise.
 #exact bound: set(clamp: 0.0, area_bound: 0.0, geometry: 'disc') // Light from discs of the area that each light stands for.
 
@@ -39,13 +39,12 @@ struct Settings {
     interleave_x: u32,
     /// Pixels along a column, as `interleave_x` of a row. [default: 4, min: 1, max: 16]
     interleave_y: u32,
-    /// Distance below which a light's geometry term is bounded, as a fraction of the scene's dense extent; 0 is no such bound. Where
-    /// `geometry` is disc, the least radius of a disc, by which nothing is lost.
+    /// Distance b below which a light gives only d² / b² of what it would, as a fraction of the scene's dense extent; 0 is no such bound.
     /// Larger: smaller bright spots near lights, but more energy lost near corners, which alpha has and `bias-compensation`
     /// returns. [default: 0.0, min: 0.0, max: 1.0]
     clamp: f32,
-    /// The same in radii of a disc of the area that each light stands for, where `geometry` is bounded: where lights are dense,
-    /// they are bounded at less distance. 0 is no such bound. With more lights, less is lost. [default: 1.0, min: 0.0, max:
+    /// Distance below which a light gives no more, in radii of a disc of the area that it stands for, where `geometry` is bounded:
+    /// where lights are dense, they are bounded at less distance. 0 is no such bound. With more lights, less is lost. [default: 1.0, min: 0.0, max:
     /// 100.0]
     area_bound: f32,
     irradiance_interleave_x: u32,

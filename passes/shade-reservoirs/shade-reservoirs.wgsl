@@ -4,7 +4,7 @@
 #input view: GBuffer // The pixels.
 #input reservoirs: Reservoirs // The lights that were chosen for them.
 #output irradiance: Irradiance(
-    clamp: settings.clamp when settings.area_bound == 0 && settings.geometry == 'bounded',
+    clamp: settings.clamp,
 ) // Diffuse irradiance, with noise.
 #output verified: Reservoirs(
     count: view.width * view.height * reservoirs.per_pixel,
@@ -25,12 +25,12 @@ struct Settings {
     view_size: vec2<u32>,
     reservoirs_per_pixel: u32,
     reservoirs_doubt: f32,
-    /// Distance below which a light's geometry term is bounded, as a fraction of the scene's dense extent; 0 is no such bound. Where
-    /// `geometry` is disc, the least radius of a disc, by which nothing is lost.
+    /// Distance b below which a light gives only d² / b² of what it would, as a fraction of the scene's dense extent; 0 is no such bound.
     /// Larger: smaller bright spots near lights, but more energy lost near corners, which alpha has and `bias-compensation`
     /// returns. [default: 0.0, min: 0.0, max: 1.0]
     clamp: f32,
-    /// The same in radii of a disc of the area that each light stands for, where `geometry` is bounded. 0 is no such bound.
+    /// Distance below which a light gives no more, in radii of a disc of the area that it stands for, where `geometry` is bounded. 0 is
+    /// no such bound.
     /// [default: 1.0, min: 0.0, max: 100.0]
     area_bound: f32,
 }

@@ -8,11 +8,11 @@ pub const INTERLEAVE_X: Fact<u32> =
 /// The sub-images along a column, of an irradiance that is interleaved.
 pub const INTERLEAVE_Y: Fact<u32> =
     Fact::optional("interleave_y", "sub-images along a column; 1 where it is left out");
-/// The bound of the geometry terms that were summed, where nothing else bounds them.
+/// The distance of the near field, of which virtual lights give a part.
 pub const CLAMP: Fact<f32> = Fact::optional(
     "clamp",
-    "distance below which the geometry terms of lights grow no more, as a fraction of the scene's extent; where nothing \
-     else bounds them",
+    "distance b below which lights give only d² / b² of what they would, as a fraction of the scene's dense extent; 0 where it \
+     is left out",
 );
 
 /// The interface `Irradiance`.

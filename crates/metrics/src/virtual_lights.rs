@@ -74,8 +74,8 @@ pub fn lights_that_reach(
 }
 
 /// Returns the share of the irradiance that clamping removed: `irradiance` has the remaining irradiance in
-/// RGB and the luminance of the removed one in alpha. Pixels with a NaN or infinite channel are left out;
-/// `None` if there is no light at all.
+/// RGB and the luminance of the removed one in alpha, less what rays returned of it. These are estimates: where they return more, the share is
+/// 0. Pixels with a NaN or infinite channel are left out; `None` if there is no light at all.
 pub fn clamped_share(irradiance: &Image) -> Option<f64> {
     let (mut kept, mut removed) = (0.0, 0.0);
     let pixels = irradiance.pixels().iter();
@@ -83,7 +83,7 @@ pub fn clamped_share(irradiance: &Image) -> Option<f64> {
         kept += f64::from(luminance([r, g, b]));
         removed += f64::from(clamped);
     }
-    (kept + removed > 0.0).then(|| removed / (kept + removed))
+    (kept + removed > 0.0).then(|| (removed / (kept + removed)).max(0.0))
 }
 
 fn precise(v: [f32; 3]) -> DVec3 {
@@ -144,5 +144,6 @@ mod tests {
         let share = clamped_share(&Image::new(4, 1, pixels).unwrap()).unwrap();
         assert!((share - 0.25).abs() < 1e-6, "{share}");
         assert_eq!(clamped_share(&Image::new(1, 1, vec![[0.0; 4]]).unwrap()), None);
+        assert_eq!(clamped_share(&Image::new(1, 1, vec![[1.0, 1.0, 1.0, -0.1]]).unwrap()), Some(0.0));
     }
 }

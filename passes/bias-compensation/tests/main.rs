@@ -64,12 +64,22 @@ fn a_plane_returns_its_near_field() {
 }
 
 #[test]
-fn what_was_there_is_kept_and_nothing_is_left_out() {
+fn what_was_there_is_kept() {
     for bound in [0.0, 0.1] {
         // The plane is farther than the bound.
         let Some(pixels) = compensated(0.2, bound, 1, [1.0, 2.0, 3.0, 4.0]) else { return };
-        assert!(pixels.iter().all(|pixel| *pixel == [1.0, 2.0, 3.0, 0.0]), "{:?}", pixels[0]);
+        assert!(pixels.iter().all(|pixel| *pixel == [1.0, 2.0, 3.0, 4.0]), "{:?}", pixels[0]);
     }
+}
+
+#[test]
+fn what_rays_return_is_not_missing_any_more() {
+    let Some(pixels) = compensated(0.05, 0.4, 1, [0.0, 0.0, 0.0, 7.0]) else { return };
+    for [r, g, b, missing] in &pixels {
+        let returned = 0.2126 * r + 0.7152 * g + 0.0722 * b;
+        assert!((missing + returned - 7.0).abs() < 1e-4, "{missing} are missing, and {returned} came back");
+    }
+    assert!(mean(&pixels) > 0.0);
 }
 
 /// The eight pixels of a window of the interleaving share one set of stratified rays, so that their mean, which a filter

@@ -226,11 +226,11 @@ fn each_sub_image_sums_its_subset() {
     for (width, height, n, m, count) in
         [(21, 13, 4, 4, 61), (37, 19, 1, 2, 300), (1, 1, 16, 16, 3), (5, 3, 3, 5, 7)]
     {
-        // A share of the extent; radii of a disc of each light's area; or a disc itself.
+        // A bound in radii of a disc of each light's area, or a disc itself; and a share of what is near.
         for (subsets, geometry_of, radii, bound) in [
-            ("runs", "bounded", 0.0, Bound::Bounded(0.2 * EXTENT, 0.0)),
-            ("runs", "bounded", 3.0, Bound::Bounded(0.2 * EXTENT, 3.0)),
-            ("strides", "point-to-disc", 3.0, Bound::PointToDisc(0.2 * EXTENT)),
+            ("runs", "bounded", 0.0, Bound::Radii(0.0)),
+            ("runs", "bounded", 3.0, Bound::Radii(3.0)),
+            ("strides", "point-to-disc", 3.0, Bound::PointToDisc),
         ] {
             let view = View { width, height, fov: 0.8 };
             let lights = lights(count);
@@ -251,7 +251,8 @@ fn each_sub_image_sums_its_subset() {
                 let own = subset(y % m * n + x % n, n * m, count as u32, subsets == "runs");
                 let terms = own.iter().map(|i| {
                     let light = &lights[*i as usize];
-                    let (kept, removed) = geometry(light, view.position(x, y), UP, bound, EXTENT);
+                    let (kept, removed) =
+                        geometry(light, view.position(x, y), UP, (bound, 0.2 * EXTENT), EXTENT);
                     (light.flux * kept, light.flux * removed)
                 });
                 let (kept, removed) = terms.fold((0.0, 0.0), |sum, term| (sum.0 + term.0, sum.1 + term.1));
@@ -269,6 +270,30 @@ fn each_sub_image_sums_its_subset() {
             }
         }
     }
+}
+
+/// Short rays return what is missing of a near light whatever its geometry, so each has to leave the same.
+#[test]
+fn of_a_disc_nearer_than_the_clamp_its_share_remains() {
+    let view = View { width: 16, height: 12, fov: 0.8 };
+    let light = VirtualLight { position: dvec3(0.3, 0.7, -0.2), normal: DOWN, flux: 5.0, area: 0.04 };
+    let gathered = |clamp: f64| {
+        let harness = view.harness(&[light]).set("interleave_x", 1).set("interleave_y", 1);
+        harness.set("geometry", "disc").set("clamp", clamp as f32).run()
+    };
+    let (Some(whole), Some(part)) = (gathered(0.0), gathered(0.4)) else { return };
+    let mut near = 0;
+    for (((x, y), whole), part) in view.pixels().zip(read(&whole)).zip(read(&part)) {
+        let distance2 = view.position(x, y).distance_squared(light.position);
+        let share = (distance2 / (0.4 * EXTENT).powi(2)).min(1.0);
+        near += usize::from(share < 1.0);
+        let [whole, kept, removed] = [whole[0], part[0], part[3]].map(f64::from);
+        // The luminance of (1, 2, 0).
+        let lost = (1.0 - share) * whole * (0.2126 + 2.0 * 0.7152);
+        assert!((kept - share * whole).abs() < 1e-4 * whole, "({x}, {y}): {kept} of {whole}, not {share}");
+        assert!((removed - lost).abs() < 1e-4 * whole, "({x}, {y}): {removed} are removed, not {lost}");
+    }
+    assert!((10..180).contains(&near), "{near} pixels are near");
 }
 
 #[test]

@@ -19,30 +19,30 @@ pub(crate) struct VirtualLight {
 /// The bound of a geometry term.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Bound {
-    /// No less than this distance \[m\], and this many radii of a disc of the light's area.
-    Bounded(f64, f64),
-    /// The term of a disc straight ahead, at no less than this distance \[m\].
-    PointToDisc(f64),
+    /// That at this many radii of a disc of the light's area.
+    Radii(f64),
+    /// The term of a disc straight ahead.
+    PointToDisc,
 }
 
 /// Returns the geometry term of a light without its visibility \[1/m²\]: what remains after the bound, and what
-/// the bound removes. `extent` is that of the scene \[m\].
+/// the bounds remove. Nearer than `near` \[m\], d² / near² remains of a light; `extent` is that of the scene \[m\].
 pub(crate) fn geometry(
     light: &VirtualLight,
     at: DVec3,
     normal: DVec3,
-    bound: Bound,
+    (bound, near): (Bound, f64),
     extent: f64,
 ) -> (f64, f64) {
     let offset = at - light.position;
     let distance2 = offset.length_squared().max((1e-6 * extent).powi(2));
     let cosines = (-normal.dot(offset)).max(0.0) * light.normal.dot(offset).max(0.0) / distance2;
     let (closest2, area) = match bound {
-        Bound::Bounded(distance, radii) => (distance.powi(2).max(radii.powi(2) * light.area / PI), 0.0),
-        Bound::PointToDisc(distance) => (distance.powi(2), light.area),
+        Bound::Radii(radii) => (radii.powi(2) * light.area / PI, 0.0),
+        Bound::PointToDisc => (0.0, light.area),
     };
     let term = |distance2: f64| cosines / (PI * distance2 + area);
-    let kept = term(distance2.max(closest2));
+    let kept = term(distance2.max(closest2)) * (distance2 / near.powi(2)).min(1.0);
     (kept, term(distance2) - kept)
 }
 
