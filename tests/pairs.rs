@@ -1,7 +1,7 @@
 //! Every producer of an interface works with every consumer of it: samplers with kinds of visibility, for each kind
 //! of light.
 
-use crate::adapter::{SMALL, bits, energy, mean, renderer, renderer_in, set, shown};
+use crate::adapter::{SMALL, bits, done, energy, mean, renderer, renderer_in, set, shown};
 use crate::program::Folder;
 use frame_graph::{CompileOptions, LinkContext, Value};
 use metrics::{Epsilon, Image, Pair};
@@ -304,6 +304,28 @@ fn rays_settle_what_maps_cannot_tell() {
             "{scene}: {missing} is missing, by maps alone {missing_of_maps}"
         );
     }
+}
+
+/// The bound by the area of each light leaves corners dark; rays give back what it takes of what is near.
+#[test]
+fn short_rays_give_back_what_lights_lack_near_them() {
+    let size = (64, 48);
+    let values = ["bounces=1", "samples=512", "samples_per_frame=64", "filter=centre"];
+    let Some(mut truth) = renderer("reference", "cornell-box", size, &values) else { return };
+    done(&mut truth);
+    let truth = energy(&truth.output("indirect").unwrap());
+    let of_near = |near: &str| {
+        let values = ["lights=64", "interleave_x=1", "interleave_y=1", near];
+        let mut renderer = renderer("ism-invtm-ray-traced", "cornell-box", size, &values).unwrap();
+        let seeds = [1, 2, 3, 4].map(|seed| {
+            renderer.set_seed(seed);
+            energy(&shown(&mut renderer, "indirect"))
+        });
+        seeds.iter().sum::<f64>() / seeds.len() as f64 / truth
+    };
+    let [without, with] = ["near=0.0", "near=0.05"].map(of_near);
+    assert!(without < 0.98, "without rays {without}");
+    assert!((with - 1.0).abs() < 0.015, "with rays {with}");
 }
 
 /// Exact maps differ from rays by their texels alone, imperfect ones by their points too. Bounds lie between what is
