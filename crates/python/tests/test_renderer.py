@@ -75,10 +75,10 @@ def test_a_saved_picture_is_rendered_again() -> None:
 def test_values_are_set_and_read() -> None:
     renderer = small()
     before = renderer.frame().output("indirect").mean()
-    renderer["gather.clamp"] = np.float32(0.5)
-    assert renderer["gather.clamp"] == 0.5 and renderer["lights"] == 16
+    renderer["gather.area_bound"] = np.float32(8.5)
+    assert renderer["gather.area_bound"] == 8.5 and renderer["lights"] == 16
     assert renderer.frame().output("indirect").mean() < before
-    assert renderer.settings["gather.clamp"] == 0.5 and "clamp" in renderer.settings._repr_html_()
+    assert renderer.settings["gather.area_bound"] == 8.5 and "area_bound" in renderer.settings._repr_html_()
     renderer["settle"] = False
     assert renderer["settle"] is False
 
