@@ -13,11 +13,11 @@ fn apart([first, second, third]: [f64; 3]) -> [f64; 3] {
     [first, second - first, third - second]
 }
 
-/// Returns the energy of so many bounces by path tracing.
-fn path_traced(scene: &str, bounces: u32) -> Option<f64> {
+/// Returns the energy of so many bounces by path tracing, in a frame of this size.
+pub(crate) fn path_traced(scene: &str, size: (u32, u32), bounces: u32) -> Option<f64> {
     let bounces = format!("bounces={bounces}");
     let values = [&bounces[..], "samples=128", "samples_per_frame=64", "filter=centre"];
-    let mut renderer = renderer("reference", scene, SIZE, &values)?;
+    let mut renderer = renderer("reference", scene, size, &values)?;
     done(&mut renderer);
     Some(energy(&renderer.output("indirect").unwrap()))
 }
@@ -47,7 +47,7 @@ fn each_bounce_has_the_energy_of_path_tracing() {
     for scene in ["cornell-box", "cornell-box-cloth"] {
         let mut truth = [0.0; 3];
         for (i, truth) in truth.iter_mut().enumerate() {
-            let Some(energy) = path_traced(scene, i as u32 + 1) else { return };
+            let Some(energy) = path_traced(scene, SIZE, i as u32 + 1) else { return };
             *truth = energy;
         }
         let found = [1, 2, 3].map(|bounces| by_lights(&folder, "by-rays", scene, bounces));
@@ -83,7 +83,7 @@ fn a_second_bounce_follows_lights_of_any_sampler() {
         folder.write(&format!("pipelines/{name}.ron"), &text);
     }
     let scene = "cornell-box";
-    let (Some(one), Some(two)) = (path_traced(scene, 1), path_traced(scene, 2)) else { return };
+    let (Some(one), Some(two)) = (path_traced(scene, SIZE, 1), path_traced(scene, SIZE, 2)) else { return };
     for (name, _) in samplers {
         let found = [1, 2].map(|bounces| by_lights(&folder, name, scene, bounces));
         for (bounce, ratio) in [found[0] / one, (found[1] - found[0]) / (two - one)].into_iter().enumerate() {

@@ -1,7 +1,8 @@
 //! Every producer of an interface works with every consumer of it: samplers with kinds of visibility, for each kind
 //! of light.
 
-use crate::adapter::{SMALL, bits, done, energy, mean, renderer, renderer_in, set, shown};
+use crate::adapter::{SMALL, bits, energy, mean, renderer, renderer_in, set, shown};
+use crate::bounces::path_traced;
 use crate::program::Folder;
 use frame_graph::{CompileOptions, LinkContext, Value};
 use metrics::{Epsilon, Image, Pair};
@@ -310,10 +311,7 @@ fn rays_settle_what_maps_cannot_tell() {
 #[test]
 fn short_rays_give_back_what_lights_lack_near_them() {
     let size = (64, 48);
-    let values = ["bounces=1", "samples=512", "samples_per_frame=64", "filter=centre"];
-    let Some(mut truth) = renderer("reference", "cornell-box", size, &values) else { return };
-    done(&mut truth);
-    let truth = energy(&truth.output("indirect").unwrap());
+    let Some(truth) = path_traced("cornell-box", size, 1) else { return };
     let of_near = |near: &str| {
         let values = ["lights=64", "interleave_x=1", "interleave_y=1", near];
         let mut renderer = renderer("ism-invtm-ray-traced", "cornell-box", size, &values).unwrap();
