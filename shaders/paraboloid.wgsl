@@ -50,11 +50,14 @@ fn texel_in_hemisphere(texel: vec2<u32>, tile: u32) -> bool {
     return dot(nearest, nearest) < 1.0;
 }
 
-/// Whether a point [m, in the light's frame] is an occluder and not the light's own surface, which lies in the
-/// light's plane but for two errors: the light's normal comes from a map of half floats (2⁻¹¹), and positions are
-/// rounded to a part of the scene's extent [m].
+/// The light's own surface lies in its plane but for two errors: the light's normal comes from a map of half floats (2⁻¹¹), and
+/// positions are rounded to a part of the scene's extent.
+const HORIZON_SLOPE: f32 = 1e-3;
+const HORIZON_HEIGHT: f32 = 1e-6;
+
+/// Whether a point [m, in the light's frame] is an occluder and not the light's own surface; `extent` is the scene's [m].
 fn above_horizon(local: vec3<f32>, extent: f32) -> bool {
-    return local.z > 1e-3 * length(local) + 1e-6 * extent;
+    return local.z > HORIZON_SLOPE * length(local) + HORIZON_HEIGHT * extent;
 }
 
 /// Returns column, row and layer of the first texel of a light's tile, in an atlas whose layers have these columns and

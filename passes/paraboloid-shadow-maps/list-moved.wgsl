@@ -2,6 +2,7 @@
 // [SMC-IR §4, Laine et al. 2007]
 
 #import "algorithms/workgroup.wgsl"
+#import "dispatch.wgsl"
 #import "kept.wgsl"
 #import "stands.wgsl"
 
@@ -11,6 +12,8 @@ struct Settings {
     maps_of_layer: u32,
     /// Vertices of all triangles of the scene.
     vertices: u32,
+    /// Workgroups that trace the rays of a map.
+    groups_of_map: u32,
 }
 
 var<uniform> settings: Settings;
@@ -22,6 +25,8 @@ var<storage, read_write> moved: array<u32>;
 /// [layer] Where the maps of a layer begin in the list.
 var<storage, read_write> begins: array<u32>;
 var<storage, read_write> draws: array<LayerDraws>;
+/// The workgroups that trace a ray for each texel, in three dimensions, and the number of maps that they trace.
+var<storage, read_write> groups: vec4<u32>;
 
 @compute @workgroup_size(GROUP_SIZE)
 fn list(@builtin(local_invocation_index) thread: u32) {
@@ -53,5 +58,8 @@ fn list(@builtin(local_invocation_index) thread: u32) {
             let instances = before - begin;
             draws[layer] = LayerDraws(vec4(6u, instances, 0u, 0u), vec4(settings.vertices, instances, 0u, 0u));
         }
+    }
+    if thread == 0u {
+        groups = vec4(folded(before * settings.groups_of_map), 1u, before);
     }
 }

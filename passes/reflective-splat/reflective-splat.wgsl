@@ -10,6 +10,7 @@
 #option MASKED false // whether triangles do not count where alpha is below their material's cutoff
 #option TEXTURED false // whether any material of the scene has a texture
 
+#import "algorithms/morton.wgsl"
 #import "algorithms/scaled.wgsl"
 #import "color.wgsl"
 #import "cumulative-choice.wgsl"
@@ -240,21 +241,6 @@ fn reflection(map: u32, texel: vec2<u32>) -> VirtualLight {
     return made;
 }
 
-/// Every second bit of a number, from bit 0 on.
-fn even_bits(number: u32) -> u32 {
-    var bits = number & 0x55555555u;
-    bits = (bits | bits >> 1u) & 0x33333333u;
-    bits = (bits | bits >> 2u) & 0x0f0f0f0fu;
-    bits = (bits | bits >> 4u) & 0x00ff00ffu;
-    return (bits | bits >> 8u) & 0xffffu;
-}
-
-/// The texel at a place along the Z-shaped curve through a map. Places that are near each other are near each other in the map,
-/// so numbers that are spread evenly along the curve are spread over the map. (Morton 1966)
-fn texel_on_curve(place: u32) -> vec2<u32> {
-    return vec2(even_bits(place), even_bits(place >> 1u));
-}
-
 /// One thread per texel.
 @compute @workgroup_size(64)
 fn weigh(row: Row) {
@@ -264,7 +250,7 @@ fn weigh(row: Row) {
         return;
     }
     let map = index / (tile * tile);
-    let texel = texel_on_curve(index - map * tile * tile);
+    let texel = place_on_curve(index - map * tile * tile);
     weights[index] = weight_of(luminance(reflection(map, texel).flux));
 }
 
@@ -298,7 +284,7 @@ fn draw(row: Row) {
         // DEVIATION(least-probability): choose bounds it from below.
         let map = choose(Distribution(true, 0u), settings.maps, numbers.x);
         let texel = choose(Distribution(false, map.index), settings.map * settings.map, numbers.y);
-        light = reflection(map.index, texel_on_curve(texel.index));
+        light = reflection(map.index, place_on_curve(texel.index));
         // Density of lights there [1/m²]: those of this map, and those of the others, which mostly see the same surfaces, but not what
         // is lit by this map's light alone because it is near.
         let own = texel.probability / light.area;

@@ -18,6 +18,13 @@ pub struct ParaboloidShadowMaps {
 
 const LAYER_DRAWS: Struct = Struct::new("passes/paraboloid-shadow-maps/kept.wgsl", "LayerDraws");
 
+/// Texels of a map for each triangle of the scene below which rays are faster, with a margin: on llvmpipe by three times where there
+/// are four (study `growth-triangles`).
+const TEXELS_FOR_TRIANGLE: u64 = 8;
+
+/// Threads of a workgroup that traces rays.
+const TRACED_TOGETHER: u32 = 64;
+
 /// Bytes of the arguments of a draw.
 const DRAW_BYTES: u64 = 16;
 
@@ -53,6 +60,7 @@ impl Pass for ParaboloidShadowMaps {
             [true, true] => outputs.extend([
                 OutputDesc::scratch_u32("moved", count),
                 OutputDesc::scratch_u32("begins", layout.layers()),
+                OutputDesc::scratch("groups", ResourceDesc::buffer(16)),
                 OutputDesc::scratch("draws", use_cx.buffer(LAYER_DRAWS, layout.layers().into())?),
             ]),
             [false, false] => {}
@@ -67,12 +75,15 @@ impl Pass for ParaboloidShadowMaps {
     }
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
-        let Some(vertices) = cx.trait_u32("triangles").checked_mul(3) else {
-            return Err(PassTypeError::new("a draw has at most 2³² vertices, a third as many triangles"));
-        };
         let count = cx.fact("lights", virtual_lights::COUNT)?;
         let layout = cx.port("visibility").and_then(|port| AtlasLayout::of_facts(&port.facts, count));
         let layout = layout.ok_or_else(|| PassTypeError::new("the atlas has no layout"))?;
+        if is_traced(cx)? {
+            return traced(cx, layout);
+        }
+        let Some(vertices) = cx.trait_u32("triangles").checked_mul(3) else {
+            return Err(PassTypeError::new("a draw has at most 2³² vertices, a third as many triangles"));
+        };
         if cx.connected("past") {
             return Ok(kept(cx, layout, vertices));
         }
@@ -86,6 +97,41 @@ impl Pass for ParaboloidShadowMaps {
     }
 }
 
+/// Returns whether a ray is traced for each texel.
+fn is_traced(cx: &RecordContext<'_>) -> Result<bool, PassTypeError> {
+    let texels = u64::from(cx.settings.u32("map")?).pow(2);
+    Ok(match cx.settings.text("method")? {
+        "auto" => u64::from(cx.trait_u32("triangles")) * TEXELS_FOR_TRIANGLE > texels,
+        method => method == "traced",
+    })
+}
+
+/// The steps that trace rays.
+fn traced(cx: &RecordContext<'_>, layout: AtlasLayout) -> Result<Recording, PassTypeError> {
+    let groups_of_map = cx.settings.u32("map")?.pow(2).div_ceil(TRACED_TOGETHER);
+    let trace = |threads| Compute::new(cx.file("trace.wgsl"), "trace_maps", threads);
+    if cx.connected("past") {
+        let threads = Threads::Indirect { buffer: "groups".into(), offset: 0 };
+        let list = list_moved(cx, layout, 0, groups_of_map);
+        return Ok(Recording::one(list).then(trace(threads)));
+    }
+    // The rest of the last layer after the last map holds nothing.
+    let layers = (0..layout.layers()).map(|layer| {
+        let (first, maps) = (layout.maps(layer).start, layout.maps_of_layer());
+        let threads = Threads::Row((maps * groups_of_map).saturating_mul(TRACED_TOGETHER));
+        trace(threads).value("first_map", first).value("end_map", first + maps)
+    });
+    Ok(Recording::of(layers))
+}
+
+/// The step that lists the maps to render.
+fn list_moved(cx: &RecordContext<'_>, layout: AtlasLayout, vertices: u32, groups_of_map: u32) -> Compute {
+    Compute::new(cx.file("list-moved.wgsl"), "list", Threads::Row(1))
+        .value("maps_of_layer", layout.maps_of_layer())
+        .value("vertices", vertices)
+        .value("groups_of_map", groups_of_map)
+}
+
 /// The draw of the scene into the maps of a layer.
 fn scene_into(shader: Request, layer: u32, load: Load, draw: Draw, value: (&str, u32)) -> Raster {
     let targets = vec![Target { resource: "visibility.atlas".into(), layer, load }];
@@ -94,10 +140,7 @@ fn scene_into(shader: Request, layer: u32, load: Load, draw: Draw, value: (&str,
 
 /// The steps where maps are kept: those of lights that moved are listed, cleared and rendered.
 fn kept(cx: &RecordContext<'_>, layout: AtlasLayout, vertices: u32) -> Recording {
-    let list = Compute::new(cx.file("list-moved.wgsl"), "list", Threads::Row(1))
-        .value("maps_of_layer", layout.maps_of_layer())
-        .value("vertices", vertices);
-    let mut recording = Recording::one(list);
+    let mut recording = Recording::one(list_moved(cx, layout, vertices, 0));
     for layer in 0..layout.layers() {
         let draw = |which: u64| Draw::Indirect {
             buffer: "draws".into(),

@@ -16,6 +16,9 @@ use scene::{Scene, Vertex};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+/// The ways in which maps are rendered.
+const METHODS: [&str; 2] = ["rasterised", "traced"];
+
 /// Diagonal of the scene `plane`, a square of 2 m: the extent that all scenes here have.
 const EXTENT: f64 = 2.828_427_124_746_19;
 
@@ -44,53 +47,63 @@ fn scene_of(triangles: &[[DVec3; 3]]) -> Scene {
     scene
 }
 
-/// The maps of these lights, row by row.
-fn render(scene: Scene, lights: &[(DVec3, DVec3)], tile: u32) -> Option<Vec<Vec<f64>>> {
-    Some(render_in_layers(scene, lights, tile, AtlasLayout::SIDE)?.0)
+/// The maps of these lights, row by row, rendered either way.
+fn render(scene: &Scene, lights: &[(DVec3, DVec3)], tile: u32) -> Option<[Vec<Vec<f64>>; 2]> {
+    let [rasterised, traced] =
+        METHODS.map(|method| render_in_layers(scene, lights, (tile, AtlasLayout::SIDE), method));
+    Some([rasterised?.0, traced?.0])
 }
 
 #[test]
 fn what_is_cut_out_hides_nothing() {
     // 1 m above a square of 2 m, whose half with negative x is cut out.
     let lights = [(DVec3::Y, DVec3::NEG_Y)];
-    let Some(maps) = render(pass_test::rooms::half_plane(), &lights, 32) else { return };
-    let mut met = 0;
-    for (i, distance) in (0..).zip(&maps[0]) {
-        let direction = direction_from_paraboloid(texel_centre(uvec2(i % 32, i / 32), 32));
-        let at = DVec3::Y + frame_from_normal(DVec3::NEG_Y) * direction / direction.z;
-        if direction.z <= 0.0 || at.x.abs().max(at.z.abs()) > 1.0 || at.x < -0.1 {
-            assert!(*distance > 1e30, "texel {i} at {at} has {distance}");
-        } else if at.x > 0.1 {
-            assert!((distance * direction.z - 1.0).abs() < 1e-5, "texel {i} at {at} has {distance}");
-            met += 1;
+    let Some(maps) = render(&pass_test::rooms::half_plane(), &lights, 32) else { return };
+    for (method, maps) in METHODS.iter().zip(&maps) {
+        let mut met = 0;
+        for (i, distance) in (0..).zip(&maps[0]) {
+            let direction = direction_from_paraboloid(texel_centre(uvec2(i % 32, i / 32), 32));
+            let at = DVec3::Y + frame_from_normal(DVec3::NEG_Y) * direction / direction.z;
+            if direction.z <= 0.0 || at.x.abs().max(at.z.abs()) > 1.0 || at.x < -0.1 {
+                assert!(*distance > 1e30, "{method}: texel {i} at {at} has {distance}");
+            } else if at.x > 0.1 {
+                let is_right = (distance * direction.z - 1.0).abs() < 1e-5;
+                assert!(is_right, "{method}: texel {i} at {at} has {distance}");
+                met += 1;
+            }
         }
+        assert!(met > 60, "{method}: {met} texels see the square");
     }
-    assert!(met > 60, "{met} texels see the square");
 }
 
 #[test]
 fn a_dark_light_has_an_empty_map() {
     let dark = VirtualLight { flux: [0.0; 3], ..light_at(DVec3::Y, DVec3::NEG_Y) };
-    let harness = Harness::new(paraboloid_shadow_maps::PASS).scene("plane").set("map", 8);
-    let Some(outputs) = harness.lights(&[light_at(DVec3::Y, DVec3::NEG_Y), dark]).run() else { return };
-    let atlas = outputs.read::<f32>("visibility.atlas");
-    let columns = outputs.fact("visibility", "columns").as_u32().expect("a number") as usize;
-    let is_of = |light: usize, i: usize| (i / (8 * columns) / 8 * columns + i % (8 * columns) / 8) == light;
-    let met = |light| atlas.iter().enumerate().filter(|(i, at)| is_of(light, *i) && **at < 1e30).count();
-    assert!(met(0) > 10 && met(1) == 0, "{} and {} texels", met(0), met(1));
+    for method in METHODS {
+        let harness =
+            Harness::new(paraboloid_shadow_maps::PASS).scene("plane").set("map", 8).set("method", method);
+        let Some(outputs) = harness.lights(&[light_at(DVec3::Y, DVec3::NEG_Y), dark]).run() else { return };
+        let atlas = outputs.read::<f32>("visibility.atlas");
+        let columns = outputs.fact("visibility", "columns").as_u32().expect("a number") as usize;
+        let is_of =
+            |light: usize, i: usize| (i / (8 * columns) / 8 * columns + i % (8 * columns) / 8) == light;
+        let met = |light| atlas.iter().enumerate().filter(|(i, at)| is_of(light, *i) && **at < 1e30).count();
+        assert!(met(0) > 10 && met(1) == 0, "{method}: {} and {} texels", met(0), met(1));
+    }
 }
 
 /// The maps in an atlas whose layers have sides of at most `side`, and how many layers there are.
 fn render_in_layers(
-    scene: Scene,
+    scene: &Scene,
     lights: &[(DVec3, DVec3)],
-    tile: u32,
-    side: u32,
+    (tile, side): (u32, u32),
+    method: &str,
 ) -> Option<(Vec<Vec<f64>>, u32)> {
     let given: Vec<VirtualLight> =
         lights.iter().map(|(position, normal)| light_at(*position, *normal)).collect();
     let pass = ParaboloidShadowMaps { side };
-    let outputs = Harness::new(&pass).with_scene(scene).set("map", tile).lights(&given).run()?;
+    let harness = Harness::new(&pass).with_scene(scene.clone()).set("map", tile).set("method", method);
+    let outputs = harness.lights(&given).run()?;
     let atlas: Vec<f32> = outputs.read("visibility.atlas");
     let columns = outputs.fact("visibility", "columns").as_u32().expect("a number");
     let layers = outputs.desc("visibility.atlas").texture().map_or(0, |texture| texture.layers);
@@ -145,8 +158,8 @@ fn a_quad_has_the_distances_of_its_plane() {
         (dvec3(0.0, 0.5, 0.0), DVec3::Y),
     ];
     let tile = 64;
-    let Some(maps) = render(scene, &lights, tile) else { return };
-    for ((position, normal), map) in lights.iter().zip(&maps) {
+    let Some(maps) = render(&scene, &lights, tile) else { return };
+    for ((position, normal), map) in maps.iter().flat_map(|maps| lights.iter().zip(maps)) {
         let frame = frame_from_normal(*normal);
         let mut inside = 0;
         for (i, got) in map.iter().enumerate() {
@@ -179,19 +192,22 @@ fn the_gpu_agrees_with_the_cpu_reference() {
     lights.push((triangles[2][1], vector(seed).normalize()));
     let lights: Vec<(DVec3, DVec3)> = lights.into_iter().map(|(p, n)| (single(p), single(n))).collect();
     for tile in [1, 3, 32, 64] {
-        let Some(maps) = render(scene_of(&triangles), &lights, tile) else { return };
-        let mut differ = 0;
-        for ((position, normal), got) in lights.iter().zip(&maps) {
-            let wanted = map(&triangles, *position, *normal, tile, EXTENT);
-            differ += got
-                .iter()
-                .zip(&wanted)
-                .filter(|(got, wanted)| (*got - wanted.min(3.0e38)).abs() > 1e-3 * **got)
-                .count();
+        let Some(maps) = render(&scene_of(&triangles), &lights, tile) else { return };
+        for (method, maps) in METHODS.iter().zip(&maps) {
+            let mut differ = 0;
+            for ((position, normal), got) in lights.iter().zip(maps) {
+                let wanted = map(&triangles, *position, *normal, tile, EXTENT);
+                let pairs = got.iter().zip(&wanted);
+                differ +=
+                    pairs.filter(|(got, wanted)| (*got - wanted.min(3.0e38)).abs() > 1e-3 * **got).count();
+            }
+            // A ray within rounding of an edge may pass on either side.
+            let texels = lights.len() * (tile * tile) as usize;
+            assert!(
+                differ * 500 <= texels,
+                "{method}: {differ} of {texels} texels differ in maps of {tile}²"
+            );
         }
-        // A ray within rounding of an edge may pass on either side.
-        let texels = lights.len() * (tile * tile) as usize;
-        assert!(differ * 500 <= texels, "{differ} of {texels} texels differ in maps of {tile}²");
     }
 }
 
@@ -224,17 +240,19 @@ fn triangles_across_the_horizon_are_whole() {
         let turned = frame_from_normal(DVec3::Z) * DMat3::from_rotation_z(f64::from(turn) * PI / 12.0);
         for first in 0..3 {
             let triangle = [0, 1, 2].map(|i| single(turned * corners[(first + i) % 3]));
-            let Some(maps) = render(scene_of(&[triangle]), &[(DVec3::ZERO, DVec3::Z)], 64) else { return };
+            let Some(maps) = render(&scene_of(&[triangle]), &[(DVec3::ZERO, DVec3::Z)], 64) else { return };
             let wanted = map(&[triangle], DVec3::ZERO, DVec3::Z, 64, EXTENT);
-            let pairs = || maps[0].iter().zip(&wanted);
-            let is_seen = pairs().filter(|(_, wanted)| wanted.is_finite()).count();
-            let differ = pairs().filter(|(got, wanted)| (*got - wanted.min(3.0e38)).abs() > 1e-3 * **got);
-            let differ = differ.count();
-            // A ray within rounding of an edge may pass on either side.
-            assert!(
-                is_seen > 1000 && differ <= 1,
-                "turned by {turn}/24: {differ} of {is_seen} texels differ"
-            );
+            for (method, maps) in METHODS.iter().zip(&maps) {
+                let pairs = || maps[0].iter().zip(&wanted);
+                let is_seen = pairs().filter(|(_, wanted)| wanted.is_finite()).count();
+                let differ = pairs().filter(|(got, wanted)| (*got - wanted.min(3.0e38)).abs() > 1e-3 * **got);
+                let differ = differ.count();
+                // A ray within rounding of an edge may pass on either side.
+                assert!(
+                    is_seen > 1000 && differ <= 1,
+                    "{method}, turned by {turn}/24: {differ} of {is_seen} texels differ"
+                );
+            }
         }
     }
 }
@@ -257,8 +275,8 @@ fn the_bounds_are_tight() {
 
 #[test]
 fn no_triangles_leave_nothing() {
-    let Some(maps) = render(scene_of(&[]), &[(DVec3::ZERO, DVec3::Y)], 8) else { return };
-    assert!(maps[0].iter().all(|depth| *depth >= 2.9e38), "nothing is there");
+    let Some(maps) = render(&scene_of(&[]), &[(DVec3::ZERO, DVec3::Y)], 8) else { return };
+    assert!(maps.iter().flatten().flatten().all(|depth| *depth >= 2.9e38), "nothing is there");
 }
 
 #[test]
@@ -266,13 +284,16 @@ fn maps_are_the_same_in_one_layer_and_in_several() {
     let seed = &mut 17;
     let scene = scene_of(&triangles(40, seed));
     let lights: Vec<(DVec3, DVec3)> = (0..7).map(|_| (vector(seed), vector(seed).normalize())).collect();
-    let Some((maps, layers)) = render_in_layers(scene.clone(), &lights, 16, 8192) else { return };
-    assert_eq!(layers, 1);
-    // Four maps a layer, of which the last has three; one map a layer; sides that are no multiple of the maps'.
-    for (side, wanted) in [(32, 2), (16, 7), (47, 2)] {
-        let Some((cut, layers)) = render_in_layers(scene.clone(), &lights, 16, side) else { return };
-        assert_eq!(layers, wanted, "layers of {side}²");
-        assert!(cut == maps, "layers of {side}² hold other maps than one layer");
+    for method in METHODS {
+        let in_layers = |side| render_in_layers(&scene, &lights, (16, side), method);
+        let Some((maps, layers)) = in_layers(8192) else { return };
+        assert_eq!(layers, 1);
+        // Four maps a layer, of which the last has three; one map a layer; sides that are no multiple of the maps'.
+        for (side, wanted) in [(32, 2), (16, 7), (47, 2)] {
+            let Some((cut, layers)) = in_layers(side) else { return };
+            assert_eq!(layers, wanted, "layers of {side}²");
+            assert!(cut == maps, "{method}: layers of {side}² hold other maps than one layer");
+        }
     }
 }
 
@@ -283,7 +304,7 @@ type Left = (Vec<f32>, Vec<Stand>);
 fn render_after(
     scene: &Scene,
     lights: &[VirtualLight],
-    (tile, side): (u32, u32),
+    (tile, side, method): (u32, u32, &str),
     past: &Left,
     age: u32,
 ) -> Option<Left> {
@@ -297,6 +318,7 @@ fn render_after(
     let outputs = Harness::new(&pass)
         .with_scene(scene.clone())
         .set("map", tile)
+        .set("method", method)
         .lights(lights)
         .past("past", "Visibility", age, vec![member("atlas", atlas, &past.0)])
         .past("rendered", "Stands", age, elements(&past.1))
@@ -311,7 +333,11 @@ fn render_after(
 fn maps_of_lights_that_stay_are_kept() {
     let seed = &mut 23;
     let scene = scene_of(&triangles(40, seed));
-    for (tile, side, count) in [(16, 8192, 7), (16, 47, 7), (8, 16, 300)] {
+    // A side that is no power of two as well.
+    let shapes = [(16, 8192, 7), (16, 47, 7), (8, 16, 300), (6, 47, 7)];
+    for ((tile, side, count), method) in
+        shapes.iter().flat_map(|shape| METHODS.map(|method| (*shape, method)))
+    {
         let mut before: Vec<_> =
             (0..count).map(|_| light_at(vector(seed), vector(seed).normalize())).collect();
         // A light of one color shines.
@@ -324,14 +350,16 @@ fn maps_of_lights_that_stay_are_kept() {
         let layout = AtlasLayout::new(count, tile, side).expect("there is room");
         let texels = (layout.columns() * layout.rows() * layout.layers() * tile * tile) as usize;
         let nothing = (vec![0.0; texels], vec![Stand::default(); count as usize]);
-        let with =
-            |lights: &[VirtualLight], past: &Left, age| render_after(&scene, lights, (tile, side), past, age);
+        let with = |lights: &[VirtualLight], past: &Left, age| {
+            render_after(&scene, lights, (tile, side, method), past, age)
+        };
         let Some(first) = with(&before, &nothing, 1) else { return };
         let fresh = with(&after, &nothing, 0).expect("the adapter is still there");
         assert!(first.1.iter().zip(&before).all(|(stand, light)| stand.position == light.position));
         // The first frame renders all maps, as a pass does that keeps none.
         let pass = ParaboloidShadowMaps { side };
-        let plain = Harness::new(&pass).with_scene(scene.clone()).set("map", tile).lights(&before).run();
+        let plain = Harness::new(&pass).with_scene(scene.clone()).set("map", tile).set("method", method);
+        let plain = plain.lights(&before).run();
         let plain: Vec<f32> = plain.expect("the adapter is still there").read("visibility.atlas");
         // Kept texels differ from rendered ones.
         let marked = (first.0.iter().map(|distance| -distance).collect(), first.1.clone());
