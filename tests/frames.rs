@@ -95,6 +95,52 @@ fn only_what_changed_runs() {
     assert!(bits(&renderer.output("image").unwrap()) == still, "and comes back with it, bit for bit");
 }
 
+/// Frames that lead to a picture leave out what neither its progress nor a history buffer depends on; the picture is that of whole
+/// frames.
+#[test]
+fn frames_that_settle_leave_out_what_they_do_not_need() {
+    let smc = ["lights=32", "map=16", "lights/replacement.warm_up=5", "lights/replacement.moved=4"];
+    let path = ["samples=5", "samples_per_frame=1"];
+    let mean = ["frames=5", "lights=16", "map=16", "rsm.size=32"];
+    for (pipeline, values, needed, left_out) in [
+        ("smc-ir", &smc[..], "shadows/maps", "gather"),
+        ("reference", &path[..], "path", "image"),
+        ("ism-invtm-accumulated", &mean[..], "image/indirect", "image/screen"),
+    ] {
+        let Some(mut leaving) = renderer(pipeline, "cornell-box", (20, 15), values) else { return };
+        let place = |name: &str| {
+            let mut passes = leaving.plan().unwrap().passes.iter();
+            passes.position(|pass| pass.name.as_str() == name).unwrap()
+        };
+        let (needed, left_out) = (place(needed), place(left_out));
+        let mut ran = Vec::new();
+        leaving
+            .frame_until_done(|report, _| {
+                ran.push((report.ran[needed], report.ran[left_out], report.partial));
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+        let (whole, partial) = ((true, true, false), (true, false, true));
+        assert_eq!(ran, [whole, partial, partial, partial, whole], "{pipeline}");
+        let mut plain = renderer(pipeline, "cornell-box", (20, 15), values).expect("the adapter is still there");
+        for _ in 0..ran.len() {
+            plain.set_frame_index(0);
+            plain.frame().unwrap();
+        }
+        let pictures =
+            |renderer: &Renderer| ["image", "indirect"].map(|output| bits(&renderer.output(output).unwrap()));
+        let [found, wanted] = [&leaving, &plain].map(pictures);
+        assert!(found.iter().flatten().any(|pixel| pixel[0] != 0), "{pipeline} renders something");
+        assert!(found == wanted, "{pipeline}: the picture depends on what was left out");
+        // What follows from it goes on as well.
+        let [found, wanted] = [&mut leaving, &mut plain].map(|renderer| {
+            renderer.frame().unwrap();
+            pictures(renderer)
+        });
+        assert!(found == wanted, "{pipeline}: the frame after depends on what was left out");
+    }
+}
+
 /// A seed is a picture.
 #[test]
 fn seeds_repeat_and_differ() {

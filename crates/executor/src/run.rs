@@ -60,6 +60,8 @@ pub struct FrameReport {
     pub frame: u64,
     /// For each pass, whether it ran.
     pub ran: Vec<bool>,
+    /// Whether passes were left out that [`Change::only`] does not have.
+    pub partial: bool,
     /// Milliseconds on the GPU for each pass; 0 for those that did not run. Empty if the frame was not timed.
     pub times: Vec<f64>,
     /// Milliseconds in which this thread encoded each pass; 0 for those that did not run. Empty if the frame was neither

@@ -31,6 +31,10 @@ pub struct Change {
     pub events: Vec<ResetCause>,
     /// Whether everything runs, even if nothing has changed: for measurements.
     pub all: bool,
+    /// For each pass of the plan, whether it runs in this frame if it has to; empty where all do. The others wait for a frame that
+    /// lets them run: what changes until then is not lost. None of these may depend on one that waits, as those of
+    /// [`Plan::upstream`] never do.
+    pub only: Vec<bool>,
 }
 
 impl Change {
@@ -44,6 +48,7 @@ impl Change {
         self.reseeded.extend_from_slice(&other.reseeded);
         self.events.extend_from_slice(&other.events);
         self.all |= other.all;
+        self.only.clone_from(&other.only);
     }
 
     /// Returns whether the frame is another sample than the one before.
@@ -61,6 +66,12 @@ impl Change {
         self.reseeded.clear();
         self.events.clear();
         self.all = false;
+        self.only.clear();
+    }
+
+    /// Returns whether a pass waits for another frame.
+    fn makes_wait(&self, pass: usize) -> bool {
+        self.only.get(pass) == Some(&false)
     }
 }
 
@@ -115,6 +126,8 @@ pub struct FrameState {
     clock: u64,
     /// Set until the first frame of the plan: nothing is held but history buffers.
     fresh: bool,
+    /// For each pass, whether it has waited since it had to run.
+    waiting: Vec<bool>,
     /// Why each history buffer will be reset in the next frame in any case; `None` where it will not.
     lacking: Vec<Option<ResetCause>>,
     /// Why each history buffer was reset in the frame begun last.
@@ -193,6 +206,7 @@ impl FrameState {
             moved: Vec::new(),
             clock: START,
             fresh: true,
+            waiting: vec![false; plan.passes.len()],
             lacking: vec![Some(ResetCause::FirstFrame); plan.histories.len()],
             resets: Vec::new(),
             schedule: FrameSchedule::default(),
@@ -247,13 +261,14 @@ impl FrameState {
     ///
     /// A pass runs if something that it reads has a new version, if `change` names it, or if a pass that runs needs a
     /// version of its outputs that no object holds any more. Only passes that the outputs of the pipeline need are
-    /// considered. A new version of a history buffer at rest is not new.
+    /// considered. A new version of a history buffer at rest is not new. Passes that [`Change::only`] leaves out wait.
     pub fn begin(&mut self, plan: &Plan, change: &Change) -> &FrameSchedule {
         let fresh = std::mem::take(&mut self.fresh);
         // Taken out, so that they can be read while the state is written.
         let mut resets = std::mem::take(&mut self.resets);
         let mut schedule = std::mem::take(&mut self.schedule);
         self.find_resets(plan, change, &mut resets);
+        self.postpone(plan, change, &mut resets);
         self.find_rests(plan, change, &resets, fresh);
         self.renew(plan, change, &resets, fresh, &mut schedule.runs);
         self.restore(plan, &mut schedule.runs);
@@ -309,6 +324,15 @@ impl FrameState {
         }));
     }
 
+    /// Puts off the resets of history buffers whose producers wait.
+    fn postpone(&mut self, plan: &Plan, change: &Change, resets: &mut [Option<ResetCause>]) {
+        for (h, history) in plan.histories.iter().enumerate() {
+            if change.makes_wait(plan.resources[history.resource.0 as usize].producer.0 as usize) {
+                self.lacking[h] = resets[h].take();
+            }
+        }
+    }
+
     /// Returns the age of a history buffer in the frame begun last, in frames.
     pub fn age(&self, history: HistoryId) -> u32 {
         self.histories[history.0 as usize].age
@@ -359,7 +383,7 @@ impl FrameState {
     ) {
         // Where all rests, the picture has samples enough.
         let takes_sample = !change.is_sample() || !self.all_rest();
-        asked(plan, change, first, takes_sample, runs);
+        asked(change, first, takes_sample, &self.waiting, runs);
         let mut changed = change.scene_bindings.and(SceneBindings::FRAME);
         if takes_sample {
             changed = changed.and(change.resampled);
@@ -372,6 +396,9 @@ impl FrameState {
                 continue;
             }
             runs[i] = runs[i] || self.has_news(i, pass, changed, resets);
+            let waits = change.makes_wait(i);
+            self.waiting[i] = waits && runs[i];
+            runs[i] &= !waits;
             if runs[i] {
                 self.clock += 1;
                 self.versions[i] = self.clock;
@@ -440,10 +467,11 @@ impl FrameState {
     }
 }
 
-/// Marks the passes that a change asks for by name, those with other random numbers if these are wanted; or all at first.
-fn asked(plan: &Plan, change: &Change, first: bool, reseeded: bool, runs: &mut Vec<bool>) {
+/// Marks the passes that wait, and those that a change asks for by name, those with other random numbers if these are wanted; or
+/// all at first.
+fn asked(change: &Change, first: bool, reseeded: bool, waiting: &[bool], runs: &mut Vec<bool>) {
     runs.clear();
-    runs.resize(plan.passes.len(), first);
+    runs.extend(waiting.iter().map(|waits| first || *waits));
     let reseeded = if reseeded { &change.reseeded[..] } else { &[] };
     for pass in change.passes.iter().chain(&change.values).chain(&change.again).chain(reseeded) {
         if let Some(run) = runs.get_mut(pass.0 as usize) {

@@ -39,6 +39,7 @@ impl Executor {
         gpu.check()?;
         pending.add(change);
         let schedule = state.begin(plan, pending);
+        report.partial = !pending.only.is_empty();
         pending.clear();
         if let Some(uniforms) = uniforms {
             uniforms.write(gpu, plan, schedule, *seed);

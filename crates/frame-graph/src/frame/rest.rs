@@ -45,7 +45,7 @@ impl FrameState {
     fn wake(&mut self, plan: &Plan, change: &Change, resets: &[Option<ResetCause>], first: bool) {
         let mut moved = std::mem::take(&mut self.moved);
         loop {
-            asked(plan, change, first, !change.is_sample(), &mut moved);
+            asked(change, first, !change.is_sample(), &self.waiting, &mut moved);
             let changed = change.scene_bindings.and(SceneBindings::FRAME);
             for (i, pass) in plan.passes.iter().enumerate() {
                 let follows =

@@ -2,7 +2,7 @@
 
 use super::handed::{plan, plan_with};
 use frame_graph::plan::{Begins, HistoryId, Plan};
-use frame_graph::{Change, CompileOptions, FrameState, SceneBindings};
+use frame_graph::{Change, CompileOptions, FrameState, ResetCause, SceneBindings};
 
 const STATE: &str = r#"
     "noise": Pass(kind: "noise"),
@@ -98,6 +98,32 @@ fn a_loop_rests_while_nothing_changes() {
     assert_eq!((changed.0, changed.1), (vec![true; 2], 4));
     assert_ne!(changed.2, frames[3].2);
     assert!(run(&nothing).0[1]);
+}
+
+/// What waits runs when it may, with all that has happened in between; its history buffer is as it left it.
+#[test]
+fn what_waits_runs_later() {
+    let passes = STATE.replace("\"noise\")", "\"gbuffer\")");
+    let plan = plan(&passes, r#""a": "state", "b": "noise""#);
+    let mut state = FrameState::new(&plan);
+    let mut run = |change: &Change| {
+        let schedule = state.begin(&plan, change);
+        (schedule.runs.clone(), schedule.histories[0])
+    };
+    let only = plan.feeding("b");
+    assert_eq!(only, [true, false]);
+    let waiting = Change { only, ..Change::default() };
+    let (runs, slot) = run(&waiting);
+    assert_eq!((runs, slot.reset), (vec![true, false], None), "at first, all would run");
+    let (runs, slot) = run(&Change::default());
+    assert_eq!((runs, slot.reset), (vec![false, true], Some(ResetCause::FirstFrame)));
+    let cut = Change { events: vec![ResetCause::Cut], ..waiting.clone() };
+    let (runs, waited) = run(&cut);
+    assert_eq!((runs, waited.reset, waited.current), (vec![false; 2], None, slot.current));
+    run(&waiting);
+    let (runs, after) = run(&Change::default());
+    assert_eq!((runs, after.reset, after.age), (vec![false, true], Some(ResetCause::Cut), 0));
+    assert_eq!(run(&Change::default()).1.reset, None, "once");
 }
 
 /// Frames that are samples of one picture go on until all that keeps them rests; a seed that is set once is news.

@@ -57,7 +57,14 @@ impl Naive {
         }
     }
 
-    pub(super) fn frame(&mut self, plan: &Plan, revisions: &Revisions, resets: &[bool]) -> Vec<Vec<Content>> {
+    /// Runs a frame, without the passes that wait: none where `only` is empty, else those that it does not have.
+    pub(super) fn frame(
+        &mut self,
+        plan: &Plan,
+        revisions: &Revisions,
+        resets: &[bool],
+        only: &[bool],
+    ) -> Vec<Vec<Content>> {
         // By the definition: what would the frame be if those that can rest were read as in the frame before?
         let mut rests: Vec<bool> =
             plan.histories.iter().zip(resets).map(|(h, reset)| h.rest.is_some() && !reset).collect();
@@ -73,10 +80,17 @@ impl Naive {
             self.still[h] = 0;
         }
         self.read = self.pasts(resets, &rests);
-        let mut contents = std::mem::take(&mut self.contents);
+        let mut contents = self.contents.clone();
         let all = self.run(plan, revisions, &self.read, &mut contents);
-        self.contents = contents;
-        self.past = plan.histories.iter().map(|h| self.contents[h.resource.0 as usize]).collect();
+        let waits = |id: usize| only.get(plan.resources[id].producer.0 as usize) == Some(&false);
+        for (id, content) in contents.into_iter().enumerate().filter(|(id, _)| !waits(*id)) {
+            self.contents[id] = content;
+        }
+        for (past, id) in self.past.iter_mut().zip(plan.histories.iter().map(|h| h.resource.0 as usize)) {
+            if !waits(id) {
+                *past = self.contents[id];
+            }
+        }
         all
     }
 

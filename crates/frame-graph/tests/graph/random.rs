@@ -222,6 +222,8 @@ struct Step {
     scene_bindings: u8,
     pass: Option<prop::sample::Index>,
     event: Option<u8>,
+    /// The output for which alone passes run.
+    only: Option<prop::sample::Index>,
 }
 
 fn step() -> impl Strategy<Value = Step> {
@@ -229,8 +231,9 @@ fn step() -> impl Strategy<Value = Step> {
         prop_oneof![3 => Just(0u8), 1 => 1..8u8],
         prop::option::weighted(0.3, any::<prop::sample::Index>()),
         prop::option::weighted(0.2, 0..4u8),
+        prop::option::weighted(0.3, any::<prop::sample::Index>()),
     )
-        .prop_map(|(scene_bindings, pass, event)| Step { scene_bindings, pass, event })
+        .prop_map(|(scene_bindings, pass, event, only)| Step { scene_bindings, pass, event, only })
 }
 
 proptest! {
@@ -314,6 +317,7 @@ proptest! {
         let mut naive = Naive::new(&plan);
         let mut objects = vec![0; plan.allocations.len()];
         let mut revisions = Revisions::default();
+        let mut lacking = vec![true; plan.histories.len()];
         for (number, step) in steps.iter().enumerate() {
             let frame = number as u64 + 1;
             for bit in 0..3 {
@@ -335,6 +339,8 @@ proptest! {
             } else {
                 (SceneBindings::NONE, SceneBindings(step.scene_bindings))
             };
+            let wanted = step.only.filter(|_| !rests).map(|only| &plan.outputs[only.index(plan.outputs.len())]);
+            let only = wanted.map_or_else(Vec::new, |output| plan.feeding(&output.name));
             // Every way to name a pass makes it run.
             let reported: Vec<_> = reported.into_iter().map(frame_graph::plan::PassId).collect();
             let change = Change {
@@ -346,21 +352,28 @@ proptest! {
                 reseeded: if number % 4 == 3 { reported } else { Vec::new() },
                 events: events.clone(),
                 all: false,
+                only: only.clone(),
             };
             let schedule = state.begin(&plan, &change);
-            let resets: Vec<bool> = plan.histories.iter().map(|h| number == 0 || h.reset.iter().any(|r| events.contains(r))).collect();
+            // What is to be reset while its producer waits is reset when that runs.
+            for (lacks, h) in lacking.iter_mut().zip(&plan.histories) {
+                *lacks |= h.reset.iter().any(|r| events.contains(r));
+            }
+            let waits = |h: usize| only.get(plan.resources[plan.histories[h].resource.0 as usize].producer.0 as usize) == Some(&false);
+            let resets: Vec<bool> = (0..lacking.len()).map(|h| !waits(h) && std::mem::take(&mut lacking[h])).collect();
+            prop_assert!(schedule.runs.iter().zip(&only).all(|(runs, may_run)| !runs || *may_run));
             for (slot, reset) in schedule.histories.iter().zip(&resets) {
                 prop_assert_eq!(slot.reset.is_some(), *reset);
                 prop_assert_eq!(slot.age == 0, *reset);
             }
-            let expected = naive.frame(&plan, &revisions, &resets);
+            let expected = naive.frame(&plan, &revisions, &resets, &only);
             let found = scheduled(&plan, schedule, &revisions, &mut objects);
             for (i, reads) in found.iter().enumerate() {
                 if let Some(reads) = reads {
                     prop_assert_eq!(reads, &expected[i], "{} in frame {}", &plan.passes[i].name, number);
                 }
             }
-            for output in &plan.outputs {
+            for output in plan.outputs.iter().filter(|output| wanted.is_none_or(|wanted| wanted.name == output.name)) {
                 for (_, id) in &output.members {
                     let resource = &plan.resources[id.0 as usize];
                     let object = match resource.history {

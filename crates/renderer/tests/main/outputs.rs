@@ -64,6 +64,16 @@ fn frames_run_until_the_pipeline_says_that_it_is_done() {
         })
         .unwrap();
     assert_eq!(frames, 1, "the application broke off");
+    let values = Overrides(vec![set("samples", 9), set("samples_per_frame", 1)]);
+    progressive.set_pipeline("reference", &values).unwrap();
+    let mut partial = Vec::new();
+    progressive
+        .frames_until_done(3, |report, _| {
+            partial.push(report.partial);
+            ControlFlow::Continue(())
+        })
+        .unwrap();
+    assert_eq!(partial, [false, true, false], "the last of so many frames is whole");
 }
 
 #[test]

@@ -222,7 +222,9 @@ fn render(
         let running = tracing::info_span!(target: "phase", "frames").entered();
         let begun = Instant::now();
         renderer.frame_until_done(|report, progress| {
-            done.times.push(report.times.clone());
+            if !report.partial {
+                done.times.push(report.times.clone());
+            }
             match progress {
                 Some(progress) if progressive => {
                     set_parts(&bar, u64::from(progress.steps));

@@ -251,7 +251,7 @@ fn accumulate(
     observe: &mut dyn FnMut(Observed) -> Result<(), Failure>,
     step: &mut dyn FnMut(Step),
 ) -> Result<Option<f64>, Failure> {
-    let (mut noise, mut left) = (None, request.frames);
+    let mut noise = None;
     renderer.set_frame_index(request.first_frame);
     let progressed = |_: &FrameReport, progress: Option<Progress>| {
         noise = progress
@@ -260,10 +260,9 @@ fn accumulate(
         if let Some(progress) = progress {
             step(Step { step: progress.step, steps: progress.steps, noise });
         }
-        left = left.saturating_sub(1);
-        if left == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        ControlFlow::Continue(())
     };
-    renderer.frame_until_done(progressed).map_err(Failure::render)?;
+    renderer.frames_until_done(request.frames, progressed).map_err(Failure::render)?;
     observe(observed(renderer, request, extras, request.first_frame, &[])?)?;
     Ok(noise)
 }
