@@ -54,30 +54,30 @@ fn it_stops_at_the_error_it_estimates() {
     assert!(progress.error > 0.01, "one frame fewer would not have done: {progress:?}");
 }
 
-/// The estimate of the error holds at few samples too, where a rare bright path stands out of dark pixels: it is above
-/// the measured relMSE, and less than twice that. Scrambled sequences err less than the independent samples that the
-/// estimate supposes, the more the more samples there are.
+/// The estimate of the error is near the measured one, also at few samples, where a rare bright path stands out of dark pixels.
+/// Scrambled sequences err less than independent samples would, the more the more samples there are.
 #[test]
 fn the_estimate_is_of_the_size_of_the_error() {
     let picture = |samples: u32, seed: u32| {
-        let values = [&format!("samples={samples}") as &str, "samples_per_frame=64"];
+        let values = [&format!("samples={samples}") as &str, "samples_per_frame=16"];
         let mut renderer = renderer("reference", "cornell-box", (32, 32), &values)?;
         renderer.set_seed(seed);
         done(&mut renderer);
         Some((renderer.output("image").unwrap(), renderer.progress().unwrap().unwrap().error))
     };
     let Some((fine, _)) = picture(2048, 99) else { return };
-    for (samples, seeds, most) in [(16, 8, 2.0), (256, 4, 2.5)] {
+    for (samples, seeds) in [(64, 8), (256, 4)] {
         let ratios: Vec<f64> = (1..=seeds)
             .map(|seed| {
                 let (rough, estimate) = picture(samples, seed).unwrap();
                 let measured = Pair::new(&rough, &fine).unwrap().rel_mse(Epsilon::default()).unwrap();
-                f64::from(estimate) / measured
+                // The fine picture errs as well.
+                f64::from(estimate) / measured * (1.0 + f64::from(samples) / 2048.0)
             })
             .collect();
         let Summary { mean, half_width_95, .. } = Summary::of(&ratios).unwrap();
         let interval = (mean - half_width_95, mean + half_width_95);
-        assert!(interval.0 > 1.0 && interval.1 < most, "{samples} samples: estimate / measured {interval:?}");
+        assert!(interval.0 > 0.7 && interval.1 < 1.4, "{samples} samples: estimate / measured {interval:?}");
     }
 }
 

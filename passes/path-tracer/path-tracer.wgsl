@@ -6,7 +6,7 @@
 // of it, and paths may leave the scene.
 //
 // Means over all samples, one texel per pixel; the number of samples is in the buffer `samples_progress`:
-//   samples_image: direct + indirect + emitted radiance [W/(m² sr)]; alpha: the sum of squares of deviations.wgsl, for the estimate
+//   samples_image: direct + indirect + emitted radiance [W/(m² sr)]; alpha: the luminance of half the samples, for the estimate
 //   samples_direct: radiance reflected once; alpha: share of the samples that hit a surface
 //   samples_indirect: radiance of bounces 1 to `bounces`
 //   samples_irradiance: indirect irradiance at the surface seen [W/m²]; alpha: luminance of what the clamp removed
@@ -24,9 +24,8 @@
 
 #import "camera.wgsl"
 #import "color.wgsl"
-#import "deviations.wgsl"
 #import "environment-light.wgsl"
-#import "environment-light.wgsl"
+#import "path-samples.wgsl"
 #import "progress.wgsl"
 #import "reflected-light.wgsl"
 #import "scatter.wgsl"
@@ -68,6 +67,7 @@ var past_direct: texture_2d<f32>;
 var past_indirect: texture_2d<f32>;
 var past_irradiance: texture_2d<f32>;
 var<storage, read> past_progress: Progress;
+var<storage, read> past_halves: Halves;
 #endif
 var samples_image: texture_storage_2d<rgba32float, write>;
 var samples_direct: texture_storage_2d<rgba32float, write>;
@@ -96,16 +96,13 @@ const ENVIRONMENT: u32 = EMITTER + 64u;
 /// The value of `filter` for the mean over a pixel's square.
 const BOX: u32 = 0u;
 
-/// Far below the square root of the greatest float: the sum of squares stays finite at any intensity.
-const MOST_LUMINANCE: f32 = 1e16;
-
 @compute @workgroup_size(8, 8)
 fn trace_paths(@builtin(global_invocation_id) id: vec3<u32>) {
     if any(id.xy >= settings.samples_size) {
         return;
     }
     var image = vec3(0.0);
-    var deviations: Deviations;
+    var half = 0.0;
     var direct = vec4(0.0);
     var indirect = vec4(0.0);
     var irradiance = vec4(0.0);
@@ -117,9 +114,7 @@ fn trace_paths(@builtin(global_invocation_id) id: vec3<u32>) {
     let pixel_seed = hash2(settings.seed, id.y * settings.samples_size.x + id.x);
     for (var s = 0u; s < count; s++) {
         let sample = path(id.xy, before.step + s, pixel_seed);
-        let whole = sample.direct + sample.indirect + sample.emitted;
-        deviations = with_sample(deviations, min(luminance(whole), MOST_LUMINANCE));
-        image += whole;
+        image += sample.direct + sample.indirect + sample.emitted;
         direct += vec4(sample.direct, sample.seen);
         indirect += vec4(sample.indirect, 0.0);
         irradiance += vec4(sample.irradiance, sample.removed);
@@ -133,14 +128,14 @@ fn trace_paths(@builtin(global_invocation_id) id: vec3<u32>) {
     // The mean moves by what the frame differs from it. A sum of equal samples, as of direct light at the centre of a pixel,
     // would round all of them to the same side.
     let past = textureLoad(past_image, id.xy, 0);
-    deviations = of_both(Deviations(f32(before.step), min(luminance(past.rgb), MOST_LUMINANCE), past.a), deviations);
+    half = select(past.a, luminance(past.rgb), past_halves.samples == before.step);
     let share = f32(count) / f32(max(before.step + count, 1u));
     image = moved(vec4(past.rgb, 0.0), vec4(image, 0.0), share).rgb;
     direct = moved(textureLoad(past_direct, id.xy, 0), direct, share);
     indirect = moved(textureLoad(past_indirect, id.xy, 0), indirect, share);
     irradiance = moved(textureLoad(past_irradiance, id.xy, 0), irradiance, share);
 #endif
-    textureStore(samples_image, id.xy, vec4(image, deviations.squares));
+    textureStore(samples_image, id.xy, vec4(image, half));
     textureStore(samples_direct, id.xy, direct);
     textureStore(samples_indirect, id.xy, indirect);
     textureStore(samples_irradiance, id.xy, irradiance);

@@ -1,7 +1,9 @@
 //! Means of a progressive picture.
 
 use crate::progress::PROGRESS;
-use pass::{Content, Format, Interface, Member};
+use pass::{Content, Format, Interface, Member, Struct};
+
+const HALVES: Struct = Struct::new("crates/interfaces/path_samples/path-samples.wgsl", "Halves");
 
 /// The interface `PathSamples`.
 pub const INTERFACE: Interface = Interface::new(
@@ -11,7 +13,7 @@ pub const INTERFACE: Interface = Interface::new(
         Member::required(
             "image",
             Content::Texture(Format::Rgba32Float),
-            "all light [W/(m² sr)]; in alpha the sum of the squares of what its luminance is away from its mean",
+            "all light [W/(m² sr)]; in alpha its luminance when samples had last doubled before this frame",
         ),
         Member::required(
             "direct",
@@ -33,5 +35,11 @@ pub const INTERFACE: Interface = Interface::new(
             Content::Struct(PROGRESS),
             "samples so far, and whether more are wanted",
         ),
+        Member::required(
+            "halves",
+            Content::Struct(HALVES),
+            "the last time when samples were twice as many as before, and the error then",
+        ),
     ],
-);
+)
+.with_folder("crates/interfaces/path_samples");

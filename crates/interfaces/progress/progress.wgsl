@@ -1,5 +1,6 @@
 // The interface Progress: how far a result is that takes several frames. A pipeline that outputs one as `progress` has each
-// of its frames repeated until the result has converged.
+// of its frames repeated until the result has converged. Between the first and the last of them, passes are left out
+// on which neither it nor a history buffer depends.
 
 /// The progress of a result that takes several frames.
 struct Progress {
@@ -7,7 +8,7 @@ struct Progress {
     step: u32,
     /// The greatest number of steps.
     steps: u32,
-    /// Estimate of the remaining error, by the pass's own measure; 0 until there is one.
+    /// Estimate of the remaining error, by the pass's own measure; 0 until there is one, and below 0 while it cannot be known.
     error: f32,
     /// 1 when the result has converged and needs no more steps.
     done: u32,

@@ -29,7 +29,7 @@ impl Pass for PathTracer {
         cx: &OutputContext<'_>,
     ) -> Result<Vec<OutputDesc>, PassTypeError> {
         let mut outputs = reflected::outputs(use_cx, &self.main_shader(&cx.use_)?, cx)?;
-        outputs.push(reduce::scratch(use_cx, "estimate_sums", cx.frame.0 * cx.frame.1, 4)?);
+        outputs.push(reduce::scratch(use_cx, "estimate_sums", cx.frame.0 * cx.frame.1, 16)?);
         outputs.push(OutputDesc::scratch("luminance_sum", ResourceDesc::buffer(4)));
         Ok(outputs)
     }

@@ -233,60 +233,72 @@ fn masked_surfaces_let_light_through() {
     assert_eq!(cut, 0.0, "a wall of too little alpha is not there");
 }
 
-/// The estimate of the error follows from what the samples say: the variance of each pixel's mean over the squared luminance around
-/// it, both in units of the picture's mean; and the variance is that of the samples, in however many frames they were taken.
-#[test]
-fn the_error_is_that_of_the_samples() {
-    let (width, height) = (10_u32, 7_u32);
-    let run = |frames: u32, samples: u32| {
-        let harness = Harness::new(path_tracer::PASS).scene("cornell-box").frame(width, height);
-        harness.set("samples_per_frame", samples).feedback("past", "samples").frames(frames).run()
-    };
+/// Runs frames of so many samples of the Cornell box.
+fn frames_of(size: (u32, u32), frames: u32, samples: u32) -> Option<Outputs> {
+    let harness = Harness::new(path_tracer::PASS).scene("cornell-box").frame(size.0, size.1);
+    let harness = harness.set("samples", 1u32 << 16).set("samples_per_frame", samples);
+    harness.feedback("past", "samples").frames(frames).run()
+}
+
+fn luminances(outputs: &Outputs) -> Vec<f64> {
     let luminance = |pixel: &[f32; 4]| {
         let [r, g, b] = [pixel[0], pixel[1], pixel[2]].map(f64::from);
         0.2126 * r + 0.7152 * g + 0.0722 * b
     };
-    let read = |outputs: &Outputs| pixels(outputs, "samples.image");
-    let count = 8;
-    // One sample more in each: what it adds to the sum is the sample.
-    let mut before = vec![0.0; (width * height) as usize];
-    let mut taken: Vec<Vec<f64>> = vec![Vec::new(); before.len()];
-    for frames in 1..=count {
-        let Some(outputs) = run(frames, 1) else { return };
-        for (i, pixel) in read(&outputs).iter().enumerate() {
-            let sum = luminance(pixel) * f64::from(frames);
-            taken[i].push(sum - before[i]);
-            before[i] = sum;
-        }
-    }
-    for (frames, samples) in [(1, count), (2, count / 2), (count, 1)] {
-        let Some(outputs) = run(frames, samples) else { return };
-        let found = read(&outputs);
-        let mean = found.iter().map(luminance).sum::<f64>() / found.len() as f64;
-        for (i, (pixel, taken)) in found.iter().zip(&taken).enumerate() {
-            let own = taken.iter().sum::<f64>() / f64::from(count);
-            let squares: f64 = taken.iter().map(|sample| (sample - own).powi(2)).sum();
-            // Samples that are told by differences have the rounding of the means.
-            let slack = 1e-2 * squares + 1e-4 * mean * mean;
-            assert!((f64::from(pixel[3]) - squares).abs() < slack, "pixel {i}: {} for {squares}", pixel[3]);
-        }
-        let place = |i: usize| ((i as u32 % width) as i32, (i as u32 / width) as i32);
+    pixels(outputs, "samples.image").iter().map(luminance).collect()
+}
+
+/// What the pass says of its error.
+fn estimate(outputs: &Outputs) -> f64 {
+    let progress: Vec<u32> = outputs.read("samples.progress");
+    f64::from(f32::from_bits(progress[2]))
+}
+
+/// The estimate of the error follows from the means: the square of what they have moved by since samples were half as many, over the
+/// squared median of both halves and of the pixels around. It falls as samples grow until they have doubled again.
+#[test]
+fn the_error_is_that_of_the_halves() {
+    let size = (24, 18);
+    let place = |i: usize| ((i as u32 % size.0) as i32, (i as u32 / size.0) as i32);
+    let Some(half) = frames_of(size, 8, 4) else { return };
+    assert!(estimate(&half) < 0.0, "32 samples are too few");
+    let half = luminances(&half);
+    let mut known = 0;
+    for (frames, samples) in [(8, 8), (16, 4), (24, 4)] {
+        let outputs = frames_of(size, frames, samples).expect("the adapter is still there");
+        let whole = luminances(&frames_of(size, 64 / samples, samples).expect("the adapter is still there"));
+        let mean = whole.iter().sum::<f64>() / whole.len() as f64;
         let around = |i: usize| {
             let near = |j: &usize| {
                 let ((x, y), (u, v)) = (place(i), place(*j));
                 *j != i && (x - u).abs() <= 1 && (y - v).abs() <= 1
             };
-            let near: Vec<f64> = (0..found.len()).filter(near).map(|j| luminance(&found[j]) / mean).collect();
+            let near: Vec<f64> = (0..whole.len()).filter(near).map(|j| whole[j]).collect();
             near.iter().sum::<f64>() / near.len() as f64
         };
-        let n = f64::from(count);
-        let of_pixel =
-            |i: usize| f64::from(found[i][3]) / n / mean / mean / (n - 1.0) / (around(i).powi(2) + 0.01);
-        let wanted = (0..found.len()).map(of_pixel).sum::<f64>() / found.len() as f64;
-        let progress: Vec<u32> = outputs.read("samples.progress");
-        let error = f64::from(f32::from_bits(progress[2]));
-        assert!((error / wanted - 1.0).abs() < 1e-3, "{error} for {wanted}");
+        let of_pixel = |i: usize| {
+            let mut means = [half[i], 2.0 * whole[i] - half[i], around(i)].map(|of| of / mean);
+            means.sort_by(f64::total_cmp);
+            ((whole[i] - half[i]) / mean).powi(2) / (means[1].powi(2) + 0.01)
+        };
+        let errors: Vec<f64> = (0..whole.len()).map(of_pixel).collect();
+        let sum = errors.iter().sum::<f64>();
+        let scatter = errors.iter().map(|error| error * error).sum::<f64>().sqrt() / sum;
+        let of_64 = if scatter <= 0.25 { sum / errors.len() as f64 } else { -1.0 };
+        let wanted = of_64 * 64.0 / f64::from(frames * samples);
+        let found = estimate(&outputs);
+        assert!((found / wanted - 1.0).abs() < 1e-2, "{frames} × {samples}: {found} for {wanted}, {scatter}");
+        known += u32::from(wanted > 0.0);
     }
+    assert!(known > 0, "some of it is known");
+    // Of two pixels one has most of it.
+    let few = frames_of((2, 1), 16, 4).expect("the adapter is still there");
+    assert!(estimate(&few) < 0.0, "{}", estimate(&few));
+    assert_eq!(
+        estimate(&frames_of(size, 1, 4).expect("the adapter is still there")),
+        0.0,
+        "there is no half yet"
+    );
 }
 
 /// Each quarter of a plane has the color of its quarter of the texture: u grows along x, and v against z.

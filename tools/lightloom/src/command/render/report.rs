@@ -91,10 +91,10 @@ pub(super) fn report(context: &Context, args: &Args, renderer: &Renderer, done: 
     if let Some(progress) = progress {
         let state = if progress.is_done() { "converged" } else { "not converged" };
         // Not every pass that takes several frames estimates its error.
-        let error = if progress.error > 0.0 {
-            format!("; estimated error {:.2e}", progress.error)
-        } else {
-            String::new()
+        let error = match progress.error {
+            error if error > 0.0 => format!("; estimated error {error:.2e}"),
+            error if error < 0.0 => "; the error cannot be known yet".to_owned(),
+            _ => String::new(),
         };
         stdout!("{state} after {} of at most {} steps{error}", progress.step, progress.steps);
     }
