@@ -67,7 +67,7 @@ pub fn rows(shares: &Shares, docs: bool) -> Table {
         let measured = |estimate: Estimate, unit: &str| measured(estimate.or_zero(whole.error.mean), unit);
         let mut entries = vec![
             Entry::Text(row.name.clone()),
-            Entry::Text(row.passes.join(", ")),
+            passes(&row.passes),
             if is_picture { Entry::Text("100 %".to_owned()) } else { measured(percent(share), " %") },
             measured(row.bias_squared, ""),
             measured(row.variance, ""),
@@ -87,6 +87,20 @@ pub fn rows(shares: &Shares, docs: bool) -> Table {
         caption: "The shares of the error; they add up to the last row.".to_owned(),
         columns,
         rows: shares.rows.iter().chain([&shares.rest, whole]).map(row).collect(),
+    }
+}
+
+/// The most passes that a row names.
+const NAMED: usize = 4;
+
+/// Returns the names of passes, of many the first and how many others there are, with all as a tip.
+fn passes(names: &[String]) -> Entry {
+    match names.len().saturating_sub(NAMED) {
+        0 | 1 => Entry::Text(names.join(", ")),
+        others => {
+            let text = format!("{} and {others} more", names[..NAMED].join(", "));
+            Entry::marked(text, "", names.join(", "))
+        }
     }
 }
 

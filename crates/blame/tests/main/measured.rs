@@ -1,7 +1,7 @@
 //! Error, the map and what has changed, of pictures whose error is known.
 
 use blame::{
-    Cell, Game, Map, Owing, Pictures, Player, References, Shares, Stage, Subset, Weights, blamed, table,
+    Cell, Game, Map, Owing, Pictures, Player, References, Shares, Stage, Subset, Weights, blamed, rows, table,
 };
 use metrics::Image;
 
@@ -152,6 +152,19 @@ fn stages_share_what_is_left() {
     assert!((shares.rest.bias_squared.mean - without.rest.bias_squared.mean + 0.4).abs() < 1e-12);
     let sum: f64 = shares.rows.iter().map(|row| row.error.mean).sum::<f64>() + shares.rest.error.mean;
     assert!((sum - shares.whole.error.mean).abs() < 1e-12);
+}
+
+#[test]
+fn a_row_names_few_of_many_passes() {
+    let (players, cells, weights) = halves();
+    let mut shares = shares_of(&players, &cells, &weights, &[]);
+    let mut named = |count: usize| {
+        shares.rest.passes = (0..count).map(|i| format!("p{i}")).collect();
+        rows(&shares, false).text()
+    };
+    assert!(named(5).contains("p0, p1, p2, p3, p4 "), "{}", named(5));
+    let many = named(20);
+    assert!(many.contains("p0, p1, p2, p3 and 16 more ") && !many.contains("p4"), "{many}");
 }
 
 #[test]
