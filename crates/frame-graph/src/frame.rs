@@ -182,7 +182,7 @@ impl FrameState {
             for input in &pass.inputs {
                 let past = |m: usize| input.history.as_ref().map(|past| past[m]);
                 reads.extend(input.members.iter().enumerate().map(|(m, (_, resource))| {
-                    let producer = plan.resources[resource.0 as usize].producer;
+                    let producer = plan.producer(*resource);
                     let from = past(m).map_or(ReadFrom::Pass(producer), ReadFrom::Past);
                     Read { resource: *resource, from }
                 }));
@@ -302,7 +302,7 @@ impl FrameState {
                 ResetCause::Reload if change.events.contains(&ResetCause::Scene) => ResetCause::Scene,
                 cause => cause,
             });
-            let producer = plan.resources[history.resource.0 as usize].producer;
+            let producer = plan.producer(history.resource);
             let changed = |reached: &[bool], cause: ResetCause| {
                 let reached = reached.get(producer.0 as usize) == Some(&true);
                 (reached && history.reset.contains(&cause)).then_some(cause)
@@ -327,7 +327,7 @@ impl FrameState {
     /// Puts off the resets of history buffers whose producers wait.
     fn postpone(&mut self, plan: &Plan, change: &Change, resets: &mut [Option<ResetCause>]) {
         for (h, history) in plan.histories.iter().enumerate() {
-            if change.makes_wait(plan.resources[history.resource.0 as usize].producer.0 as usize) {
+            if change.makes_wait(plan.producer(history.resource).0 as usize) {
                 self.lacking[h] = resets[h].take();
             }
         }
@@ -437,7 +437,7 @@ impl FrameState {
         }
         // Those before it in the list are written before it would be.
         let before = plan.allocations[allocation].resources.iter().take_while(|other| **other != id);
-        let written = |other: &ResourceId| runs[plan.resources[other.0 as usize].producer.0 as usize];
+        let written = |other: &ResourceId| runs[plan.producer(*other).0 as usize];
         !before.into_iter().any(written)
     }
 
@@ -448,7 +448,7 @@ impl FrameState {
         slots.resize(plan.histories.len(), nothing);
         for (i, history) in plan.histories.iter().enumerate() {
             let held = &mut self.histories[i];
-            let producer = plan.resources[history.resource.0 as usize].producer;
+            let producer = plan.producer(history.resource);
             let written = runs[producer.0 as usize];
             held.version = self.versions[producer.0 as usize];
             if held.rests {

@@ -291,11 +291,16 @@ impl Plan {
         self.outputs.iter().find(|output| output.name == *name)
     }
 
+    /// Returns the pass that writes a resource.
+    pub fn producer(&self, id: ResourceId) -> PassId {
+        self.resources[id.0 as usize].producer
+    }
+
     /// Returns for each pass whether an output depends on it, in the same frame or through history buffers. Of an output that
     /// the plan does not have, none.
     pub fn feeding(&self, output: &str) -> Vec<bool> {
         let members = self.output(output).map_or(&[][..], |output| &output.members[..]);
-        self.upstream(members.iter().map(|(_, id)| self.resources[id.0 as usize].producer))
+        self.upstream(members.iter().map(|(_, id)| self.producer(*id)))
     }
 
     /// Returns for each pass whether it is one of these, or one of them depends on it.
@@ -309,7 +314,7 @@ impl Plan {
             }
             for input in &self.passes[at].inputs {
                 open.push(input.producer);
-                open.extend(input.members.iter().map(|(_, id)| self.resources[id.0 as usize].producer));
+                open.extend(input.members.iter().map(|(_, id)| self.producer(*id)));
             }
         }
         found

@@ -435,7 +435,7 @@ fn name_of<'p>(plan: &'p Plan, allocation: &frame_graph::plan::Allocation) -> &'
 /// and the numbers among the settings of the pass that writes it.
 fn size_from(plan: &Plan, allocation: &frame_graph::plan::Allocation) -> String {
     let Some(id) = allocation.resources.first() else { return String::new() };
-    let pass = &plan.passes[plan.resources[id.0 as usize].producer.0 as usize];
+    let pass = &plan.passes[plan.producer(*id).0 as usize];
     let port = pass.outputs.iter().find(|port| port.members.iter().any(|(_, member)| member == id));
     let number = |(name, value): (&str, &Value)| value.as_u32().map(|value| format!("{name} = {value}"));
     let facts: Vec<String> = port.iter().flat_map(|port| port.facts.iter()).filter_map(number).collect();

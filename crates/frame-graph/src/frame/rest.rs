@@ -55,7 +55,7 @@ impl FrameState {
             }
             let mut more = false;
             for (held, history) in self.histories.iter_mut().zip(&plan.histories) {
-                let producer = plan.resources[history.resource.0 as usize].producer;
+                let producer = plan.producer(history.resource);
                 if held.rests && moved[producer.0 as usize] {
                     (held.rests, held.still) = (false, 0);
                     more = true;

@@ -157,7 +157,7 @@ pub(super) fn scheduled(
     objects: &mut [Content],
 ) -> Vec<Option<Vec<Content>>> {
     for (history, slot) in plan.histories.iter().zip(&schedule.histories) {
-        let producer = plan.resources[history.resource.0 as usize].producer;
+        let producer = plan.producer(history.resource);
         let runs = schedule.runs[producer.0 as usize];
         if slot.reset.is_some() && (runs || !history.in_place) {
             objects[history.copies[slot.previous].0 as usize] = INIT;

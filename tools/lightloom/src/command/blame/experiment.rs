@@ -259,7 +259,7 @@ fn in_order<'n>(all: &[Fed], passes: impl Iterator<Item = &'n String>) -> Vec<St
 fn reflecting(plan: &Plan, all: &[Fed], of_irradiance: &[Fed], output: &str) -> Vec<String> {
     let producer = |output: &str| {
         let (_, id) = plan.output(output)?.members.first()?;
-        Some(plan.resources[id.0 as usize].producer)
+        Some(plan.producer(*id))
     };
     let last = producer(output).map(|pass| &plan.passes[pass.0 as usize]);
     let read = last.into_iter().flat_map(|pass| &pass.inputs).map(|input| input.producer);
