@@ -22,6 +22,7 @@ mod picture;
 mod provenance;
 mod reload;
 mod results;
+mod settle;
 mod shared;
 mod warnings;
 
@@ -45,7 +46,6 @@ use glam::Vec2;
 use pass::LinkedSteps;
 use scene::{Camera, Light, Pose, Scene};
 use scene_upload::{Frame, SceneView};
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 /// Loads a scene by the name of a built-in one, or from a `.ron`, `.glb`, `.gltf`, `.pbrt` or `.xml` file.
@@ -100,14 +100,6 @@ struct Loaded {
 
 /// A function that gives a plan to an executor: as files describe it, or with values that were set.
 type Load = fn(&mut Executor, Arc<Plan>, Vec<LinkedSteps>) -> Result<LoadReport, ExecutorError>;
-
-/// Returns for each pass whether the output `progress` depends on it, or what goes on from frame to frame.
-fn needed_to_go_on(plan: &Plan) -> Vec<bool> {
-    let of_progress =
-        plan.output("progress").into_iter().flat_map(|output| &output.members).map(|(_, id)| *id);
-    let of_histories = plan.histories.iter().map(|history| history.resource);
-    plan.upstream(of_progress.chain(of_histories).map(|id| plan.resources[id.0 as usize].producer))
-}
 
 /// The seed of a sample: that of the run for the first.
 fn seed_of_sample(seed: u32, sample: u32) -> u32 {
@@ -404,57 +396,6 @@ impl Renderer {
     /// adapter has no timestamps.
     pub fn timings(&mut self) -> Option<&Timings> {
         self.executor.timings()
-    }
-
-    /// Runs frames of the same number, and so of the same time, until the output `progress` reports convergence; one
-    /// frame if the pipeline has no such output. `report` is called after each frame, and may stop early.
-    ///
-    /// Frames between the first and the last leave out passes on which neither `progress` nor a history buffer depends: see
-    /// [`FrameReport::partial`].
-    ///
-    /// # Errors
-    /// As [`Renderer::frame`] and [`Renderer::progress`].
-    pub fn frame_until_done(
-        &mut self,
-        report: impl FnMut(&FrameReport, Option<Progress>) -> ControlFlow<()>,
-    ) -> Result<&FrameReport, RenderError> {
-        self.frames_until_done(u32::MAX, report)
-    }
-
-    /// Runs frames as [`Renderer::frame_until_done`] does, at most so many, and at least one.
-    ///
-    /// # Errors
-    /// As [`Renderer::frame_until_done`].
-    pub fn frames_until_done(
-        &mut self,
-        most: u32,
-        mut report: impl FnMut(&FrameReport, Option<Progress>) -> ControlFlow<()>,
-    ) -> Result<&FrameReport, RenderError> {
-        let index = self.index;
-        let needed = self.plan().map_or_else(Vec::new, |plan| needed_to_go_on(plan));
-        let mut before: Option<Progress> = None;
-        let mut is_last = true;
-        for left in (0..most.max(1)).rev() {
-            self.index = index;
-            if needed.contains(&false) && !is_last && left > 0 {
-                self.change.only.clone_from(&needed);
-            }
-            self.frame()?;
-            let progress = self.progress()?;
-            let broken_off = report(self.executor.report(), progress).is_break();
-            let Some(now) = progress.filter(|progress| !progress.is_done() && !broken_off) else {
-                // What converges before it has taken all its steps leaves the rest to another frame.
-                if self.executor.report().partial && !broken_off {
-                    self.index = index;
-                    self.frame()?;
-                }
-                break;
-            };
-            let each = now.step - before.map_or(0, |before| before.step.min(now.step));
-            is_last = now.step.saturating_add(each) >= now.steps;
-            before = Some(now);
-        }
-        Ok(self.executor.report())
     }
 
     /// Returns the report of the last frame; empty before the first.
