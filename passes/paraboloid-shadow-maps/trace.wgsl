@@ -12,6 +12,8 @@ struct Settings {
     visibility_tile: u32,
     visibility_columns: u32,
     visibility_rows: u32,
+    /// Workgroups that trace the rays of a map.
+    groups_of_map: u32,
 #if !PAST
     /// The first map of the dispatch, and the one after its last.
     first_map: u32,
@@ -22,11 +24,14 @@ struct Settings {
 var<uniform> settings: Settings;
 var<storage, read> lights: VirtualLights;
 #if PAST
-/// The maps to trace, by index, and in the last component how many they are.
+/// The maps to trace, by index.
 var<storage, read> moved: array<u32>;
+/// The workgroups of this dispatch, and in the last component the number of those maps.
 var<storage, read> groups: vec4<u32>;
 #endif
 var visibility_atlas: texture_storage_2d_array<r32float, write>;
+
+const GROUP: u32 = 64u;
 
 /// The texel of a number below the square of the tile's side. Threads that run together take texels beside each other where they
 /// can.
@@ -57,14 +62,13 @@ fn distance_of(index: u32, texel: vec2<u32>) -> f32 {
 }
 
 /// One thread per texel; each map begins with a workgroup.
-@compute @workgroup_size(64)
+@compute @workgroup_size(GROUP)
 fn trace_maps(row: Row) {
     let tile = settings.visibility_tile;
     let texels = tile * tile;
-    let groups_of_map = (texels + 63u) / 64u;
     let group = group_in(row);
-    let number = group % groups_of_map * 64u + row.local;
-    var map = group / groups_of_map;
+    let number = group % settings.groups_of_map * GROUP + row.local;
+    var map = group / settings.groups_of_map;
 #if PAST
     if map >= groups.w || number >= texels {
         return;

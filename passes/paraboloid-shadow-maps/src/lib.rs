@@ -22,9 +22,6 @@ const LAYER_DRAWS: Struct = Struct::new("passes/paraboloid-shadow-maps/kept.wgsl
 /// are four (study `growth-triangles`).
 const TEXELS_FOR_TRIANGLE: u64 = 8;
 
-/// Threads of a workgroup that traces rays.
-const TRACED_TOGETHER: u32 = 64;
-
 /// Bytes of the arguments of a draw.
 const DRAW_BYTES: u64 = 16;
 
@@ -85,7 +82,7 @@ impl Pass for ParaboloidShadowMaps {
             return Err(PassTypeError::new("a draw has at most 2³² vertices, a third as many triangles"));
         };
         if cx.connected("past") {
-            return Ok(kept(cx, layout, vertices));
+            return kept(cx, layout);
         }
         let steps = (0..layout.layers()).map(|layer| {
             let draw = Draw::Vertices { vertices, instances: layout.maps(layer).len() as u32 };
@@ -108,28 +105,39 @@ fn is_traced(cx: &RecordContext<'_>) -> Result<bool, PassTypeError> {
 
 /// The steps that trace rays.
 fn traced(cx: &RecordContext<'_>, layout: AtlasLayout) -> Result<Recording, PassTypeError> {
-    let groups_of_map = cx.settings.u32("map")?.pow(2).div_ceil(TRACED_TOGETHER);
-    let trace = |threads| Compute::new(cx.file("trace.wgsl"), "trace_maps", threads);
+    let group = threads_of_group(cx)?;
+    let groups = groups_of_map(cx)?;
+    let trace =
+        |threads| Compute::new(cx.file("trace.wgsl"), "trace_maps", threads).value("groups_of_map", groups);
     if cx.connected("past") {
         let threads = Threads::Indirect { buffer: "groups".into(), offset: 0 };
-        let list = list_moved(cx, layout, 0, groups_of_map);
-        return Ok(Recording::one(list).then(trace(threads)));
+        return Ok(Recording::one(list_moved(cx, layout)?).then(trace(threads)));
     }
     // The rest of the last layer after the last map holds nothing.
     let layers = (0..layout.layers()).map(|layer| {
         let (first, maps) = (layout.maps(layer).start, layout.maps_of_layer());
-        let threads = Threads::Row((maps * groups_of_map).saturating_mul(TRACED_TOGETHER));
+        let threads = Threads::Row((maps * groups).saturating_mul(group));
         trace(threads).value("first_map", first).value("end_map", first + maps)
     });
     Ok(Recording::of(layers))
 }
 
-/// The step that lists the maps to render.
-fn list_moved(cx: &RecordContext<'_>, layout: AtlasLayout, vertices: u32, groups_of_map: u32) -> Compute {
-    Compute::new(cx.file("list-moved.wgsl"), "list", Threads::Row(1))
+/// Returns the number of threads of a workgroup that traces rays.
+fn threads_of_group(cx: &RecordContext<'_>) -> Result<u32, PassTypeError> {
+    cx.use_context().constant("passes/paraboloid-shadow-maps/trace.wgsl", "GROUP")
+}
+
+/// Returns the number of workgroups that trace the rays of a map.
+fn groups_of_map(cx: &RecordContext<'_>) -> Result<u32, PassTypeError> {
+    Ok(cx.settings.u32("map")?.pow(2).div_ceil(threads_of_group(cx)?))
+}
+
+/// The step that lists the maps to render, for draws and for rays.
+fn list_moved(cx: &RecordContext<'_>, layout: AtlasLayout) -> Result<Compute, PassTypeError> {
+    Ok(Compute::new(cx.file("list-moved.wgsl"), "list", Threads::Row(1))
         .value("maps_of_layer", layout.maps_of_layer())
-        .value("vertices", vertices)
-        .value("groups_of_map", groups_of_map)
+        .value("vertices", cx.trait_u32("triangles").saturating_mul(3))
+        .value("groups_of_map", groups_of_map(cx)?))
 }
 
 /// The draw of the scene into the maps of a layer.
@@ -139,8 +147,8 @@ fn scene_into(shader: Request, layer: u32, load: Load, draw: Draw, value: (&str,
 }
 
 /// The steps where maps are kept: those of lights that moved are listed, cleared and rendered.
-fn kept(cx: &RecordContext<'_>, layout: AtlasLayout, vertices: u32) -> Recording {
-    let mut recording = Recording::one(list_moved(cx, layout, vertices, 0));
+fn kept(cx: &RecordContext<'_>, layout: AtlasLayout) -> Result<Recording, PassTypeError> {
+    let mut recording = Recording::one(list_moved(cx, layout)?);
     for layer in 0..layout.layers() {
         let draw = |which: u64| Draw::Indirect {
             buffer: "draws".into(),
@@ -158,5 +166,5 @@ fn kept(cx: &RecordContext<'_>, layout: AtlasLayout, vertices: u32) -> Recording
         };
         recording.steps.extend([Step::Raster(clear), Step::Raster(scene)]);
     }
-    recording
+    Ok(recording)
 }
