@@ -14,6 +14,7 @@
     interleave_x: min(settings.interleave_x, view.width),
     interleave_y: min(settings.interleave_y, view.height),
     clamp: settings.clamp,
+    area_bound: settings.area_bound when settings.geometry == 'bounded',
 ) // Diffuse irradiance, with noise.
 #exact bound: set(clamp: 0.0, area_bound: 0.0, geometry: 'disc') // Light from discs of the area that each light stands for.
 

@@ -9,6 +9,7 @@
     interleave_x: min(settings.interleave_x, view.width),
     interleave_y: min(settings.interleave_y, view.height),
     clamp: settings.clamp,
+    area_bound: settings.area_bound when settings.geometry == 'bounded',
 ) // Diffuse irradiance, with noise if interleaved.
 #exact interleaving: set(interleave_x: 1, interleave_y: 1) // Each pixel takes all lights.
 #exact bound: set(clamp: 0.0, area_bound: 0.0, geometry: 'disc') // Light from discs of the area that each light stands for.
@@ -32,7 +33,8 @@ struct Settings {
     /// returns. [default: 0.0, min: 0.0, max: 1.0]
     clamp: f32,
     /// Distance below which a light gives no more, in radii of a disc of the area that it stands for, where `geometry` is bounded:
-    /// where lights are dense, they are bounded at less distance. 0 is no such bound. With more lights, less is lost. [default: 1.0, min: 0.0, max:
+    /// where lights are dense, they are bounded at less distance. 0 is no such bound. With more lights, less is lost; `bias-compensation`
+    /// returns it. [default: 1.0, min: 0.0, max:
     /// 100.0]
     area_bound: f32,
     /// The pixels of one surface in the window of the interleaving below which a pixel takes all lights, itself counted: at edges and on

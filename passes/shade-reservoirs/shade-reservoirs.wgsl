@@ -5,6 +5,7 @@
 #input reservoirs: Reservoirs // The lights that were chosen for them.
 #output irradiance: Irradiance(
     clamp: settings.clamp,
+    area_bound: settings.area_bound when settings.geometry == 'bounded',
 ) // Diffuse irradiance, with noise.
 #output verified: Reservoirs(
     count: view.width * view.height * reservoirs.per_pixel,

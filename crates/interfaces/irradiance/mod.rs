@@ -14,6 +14,11 @@ pub const CLAMP: Fact<f32> = Fact::optional(
     "distance b below which lights give only d² / b² of what they would, as a fraction of the scene's dense extent; 0 where it \
      is left out",
 );
+/// The distance below which a virtual light gives no more.
+pub const AREA_BOUND: Fact<f32> = Fact::optional(
+    "area_bound",
+    "distance below which a light gives no more, in radii of a disc of the area that it stands for; 0 where it is left out",
+);
 
 /// The interface `Irradiance`.
 pub const INTERFACE: Interface = Interface::new(
@@ -25,5 +30,5 @@ pub const INTERFACE: Interface = Interface::new(
         "[W/m²]; in alpha the luminance of what clamping removed [W/m²]",
     )],
 )
-.with_facts(&[INTERLEAVE_X.decl(), INTERLEAVE_Y.decl(), CLAMP.decl()])
+.with_facts(&[INTERLEAVE_X.decl(), INTERLEAVE_Y.decl(), CLAMP.decl(), AREA_BOUND.decl()])
 .with_outputs(&["irradiance"]);

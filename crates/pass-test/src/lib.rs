@@ -78,6 +78,9 @@ pub fn elements<T: NoUninit>(elements: &[T]) -> Vec<Member<'static>> {
     vec![member("", buffer(size_of_val(elements) as u64), elements)]
 }
 
+/// The kind of a virtual light that is infinitely far.
+pub const INFINITELY_FAR: u32 = 1;
+
 /// Returns a virtual light of 1 W.
 pub fn light_at(position: DVec3, normal: DVec3) -> VirtualLight {
     let [position, normal] = [position, normal].map(|v| v.as_vec3().to_array());

@@ -1,12 +1,9 @@
 //! Trees over virtual lights, built on the CPU.
 
-use crate::{Harness, elements};
+use crate::{Harness, INFINITELY_FAR, elements};
 use glam::{DVec3, Vec3};
 use interfaces::light_tree::{self, LightNode, LightTreeHeader, NO_LIGHT};
 use interfaces::virtual_lights::VirtualLight;
-
-/// The kind of a light infinitely far.
-const INFINITELY_FAR: u32 = 1;
 
 /// Returns a tree over these lights in their order, without those that are dark. Its bounds are those of all lights below a node.
 pub fn light_tree(lights: &[VirtualLight]) -> (LightTreeHeader, Vec<LightNode>) {

@@ -1,7 +1,8 @@
 //! The results of short rays, against closed forms over a lit plane.
 
-use glam::{Vec3, vec3};
-use pass_test::Harness;
+use glam::{DVec3, Vec3, vec3};
+use interfaces::virtual_lights::VirtualLight;
+use pass_test::{Harness, INFINITELY_FAR};
 use scene::{Camera, Light, LightKind};
 use std::f64::consts::PI;
 
@@ -11,15 +12,17 @@ const SIDE: u32 = 64;
 /// Light that falls straight on the plane [W/m²].
 const SUN: f32 = 3.0;
 
-/// The compensated irradiance of receivers that face the middle of a sunlit plane of albedo ½ from the height `height`
-/// \[m\], with the bound `bound` \[m\]; each had the irradiance `before`. The plane is a square of 2 m.
-fn compensated(height: f32, bound: f32, rays: u32, before: [f32; 4]) -> Option<Vec<[f32; 4]>> {
+/// Diagonal of the plane, a square of 2 m, which is the extent of the scene \[m\].
+const EXTENT: f32 = 2.0 * std::f32::consts::SQRT_2;
+
+/// The pass for receivers that face the middle of a sunlit plane of albedo ½ from the height `height` \[m\]; each had the
+/// irradiance `before`.
+fn over_plane(height: f32, before: [f32; 4]) -> Harness<'static> {
     let mut scene = pass_test::scene("plane");
     let sun = LightKind::Directional;
     let light = scene.lights[0].clone();
     scene.lights = vec![Light { kind: sun, direction: Vec3::NEG_Y, intensity: Vec3::splat(SUN), ..light }];
-    let extent = 2.0 * 2f32.sqrt();
-    let outputs = Harness::new(bias_compensation::PASS)
+    Harness::new(bias_compensation::PASS)
         .with_scene(scene)
         // Far above and narrow: all receivers are within 1 mm of the middle.
         .camera(Camera {
@@ -30,12 +33,26 @@ fn compensated(height: f32, bound: f32, rays: u32, before: [f32; 4]) -> Option<V
             near: 0.01,
         })
         .frame(SIDE, SIDE)
-        .set("rays_per_pixel", rays)
         .seen(|_, _| (1.0 - height, [0.0, -1.0, 0.0]))
         .irradiance((4, 2), |_, _| before)
-        .fact("clamp", bound / extent)
-        .run()?;
-    Some(outputs.read("compensated"))
+}
+
+/// The compensated irradiance of these receivers, where lights have the one bound `bound` \[m\].
+fn compensated(height: f32, bound: f32, rays: u32, before: [f32; 4]) -> Option<Vec<[f32; 4]>> {
+    let harness = over_plane(height, before).fact("clamp", bound / EXTENT).set("rays_per_pixel", rays);
+    Some(harness.run()?.read("compensated"))
+}
+
+/// The compensated irradiance where each of these lights is bounded at `radii` radii of its area.
+fn compensated_by_area(height: f32, radii: f32, lights: &[VirtualLight]) -> Option<Vec<[f32; 4]>> {
+    let harness = over_plane(height, [0.0; 4]).fact("clamp", 0.0f32).fact("area_bound", radii).lights(lights);
+    Some(harness.set("rays_per_pixel", 4u32).set("reach", 0.3f32).run()?.read("compensated"))
+}
+
+/// A light on the plane that stands for a disc of this radius, both in metres.
+fn light(x: f64, radius: f32, normal: DVec3) -> VirtualLight {
+    let light = pass_test::light_at(DVec3::new(x, 0.0, 0.0), normal);
+    VirtualLight { area: std::f32::consts::PI * radius * radius, ..light }
 }
 
 /// The irradiance that a plane of radiance L lacks at the height h below the bound b: with a = h / b, the integral of
@@ -63,11 +80,60 @@ fn a_plane_returns_its_near_field() {
     }
 }
 
+/// A light that is bounded at r radii of a disc of the radius a lacks what one bound at r a takes.
+#[test]
+fn a_plane_returns_what_bounds_by_area_take() {
+    for (height, radii, radius) in [(0.05, 1.0, 0.4), (0.05, 2.0, 0.2), (0.2, 4.0, 0.1), (0.001, 2.0, 0.1)] {
+        let Some(pixels) = compensated_by_area(height, radii, &[light(0.0, radius, DVec3::Y)]) else {
+            return;
+        };
+        let (found, wanted) = (mean(&pixels), missing(f64::from(height), f64::from(radii * radius)));
+        assert!((found - wanted).abs() < 4e-3 * wanted + 1e-5, "at {height}: {found} for {wanted}");
+    }
+}
+
+/// The nearest light of a surface says what lights there stand for: neither one farther off, nor one on the back of the surface, nor one
+/// infinitely far.
+#[test]
+fn the_nearest_light_of_the_side_decides() {
+    let decides = light(0.05, 0.3, DVec3::Y);
+    let infinitely_far = VirtualLight { kind: INFINITELY_FAR, ..light(0.0, 0.7, DVec3::Y) };
+    let lights = [light(0.9, 0.1, DVec3::Y), light(0.0, 0.5, DVec3::NEG_Y), infinitely_far, decides];
+    let Some(pixels) = compensated_by_area(0.01, 1.0, &lights) else { return };
+    let (found, wanted) = (mean(&pixels), missing(0.01, 0.3));
+    assert!((found - wanted).abs() < 4e-3 * wanted, "{found} for {wanted}");
+}
+
+/// Without lights, without any on this side, without area and without a bound nothing is missing.
+#[test]
+fn what_no_light_lacks_is_not_returned() {
+    let away = light(0.0, 0.3, DVec3::NEG_Y);
+    for (radii, lights) in [
+        (1.0, vec![]),
+        (1.0, vec![away]),
+        (1.0, vec![light(0.0, 0.0, DVec3::Y)]),
+        (0.0, vec![light(0.0, 0.3, DVec3::Y)]),
+    ] {
+        let Some(pixels) = compensated_by_area(0.01, radii, &lights) else { return };
+        assert!(pixels.iter().all(|pixel| *pixel == [0.0; 4]), "{radii} radii, {lights:?}: {:?}", pixels[0]);
+    }
+}
+
+/// 65,536 lights and all rays of a pixel are within what a driver loops over: the areas of a run of them are enough.
+#[test]
+fn many_lights_are_sampled_by_a_run() {
+    let lights: Vec<_> = (0..65_536).map(|i| light(f64::from(i % 64) / 64.0 - 0.5, 0.3, DVec3::Y)).collect();
+    let harness = over_plane(0.05, [0.0; 4]).fact("clamp", 0.0f32).fact("area_bound", 1.0f32).lights(&lights);
+    let Some(outputs) = harness.set("rays_per_pixel", 64u32).set("reach", 0.3f32).run() else { return };
+    let (found, wanted) = (mean(&outputs.read("compensated")), missing(0.05, 0.3));
+    assert!((found - wanted).abs() < 2e-3 * wanted, "{found} for {wanted}");
+}
+
 #[test]
 fn what_was_there_is_kept() {
-    for bound in [0.0, 0.1] {
-        // The plane is farther than the bound.
-        let Some(pixels) = compensated(0.2, bound, 1, [1.0, 2.0, 3.0, 4.0]) else { return };
+    for (bound, rays) in [(0.0, 1), (0.1, 1), (0.4, 0)] {
+        // The plane is farther than the bound, or no ray is traced.
+        let Some(pixels) = compensated(0.2, bound, rays, [1.0, 2.0, 3.0, 4.0]) else { return };
         assert!(pixels.iter().all(|pixel| *pixel == [1.0, 2.0, 3.0, 4.0]), "{:?}", pixels[0]);
     }
 }

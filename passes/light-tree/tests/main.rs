@@ -5,11 +5,9 @@ use glam::{DVec3, Vec3};
 use interfaces::light_tree as tree_of;
 use interfaces::light_tree::{LightNode, LightTreeHeader, NO_LIGHT};
 use interfaces::virtual_lights::{VirtualLight, to_bytes};
-use pass_test::{Harness, buffer, random};
+use pass_test::{Harness, INFINITELY_FAR, buffer, random};
 
 pass_test::shaders_are_valid!(PASS);
-
-const INFINITELY_FAR: u32 = 1;
 
 fn unit(index: u32, dimension: u32) -> f32 {
     random::unit_float(random::hash2(index, dimension)) as f32
