@@ -27,7 +27,7 @@ const BESIDE_ALL: &str = r#"Pipeline(
         "all": Pass(
             kind: "gather",
             in: { "view": "view", "lights": "lights", "visibility": "rays" },
-            set: { "interleave_x": 1, "interleave_y": 1, "clamp": 0.05, "area_bound": 0.0 },
+            set: { "interleave_x": 1, "interleave_y": 1, "area_bound": 4.0 },
         ),
     },
     outputs: { "all": "all", "chosen": "gather.irradiance" },
