@@ -18,7 +18,8 @@ fn pictures(pipeline: &str, scene: &str, values: &[&str]) -> Option<Vec<Image>> 
 }
 
 /// The lights of one seed are the same in both, so pictures differ by the points alone: around the same energy, and by
-/// less, the more points there are. No ray settles a lookup: most of what the points differ in would go. In the atrium a
+/// less, the more points there are. No ray settles a lookup or
+/// gives what is near: most of what the points differ in would go. In the atrium a
 /// texel of these small maps sees many surfaces, of which the nearest point decides: which it is differs however many
 /// there are.
 #[test]
@@ -45,6 +46,8 @@ fn assert_points_agree(scenes: &[&str]) {
                 "interleave_x=1",
                 "interleave_y=1",
                 "settle=false",
+                "near=1",
+                "near.rays_per_pixel=0",
                 &wanted,
             ];
             let Some(fly) = pictures("tcas", scene, &values) else { return };
