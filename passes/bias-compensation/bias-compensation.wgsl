@@ -152,8 +152,10 @@ fn near_field(
         var share = min(distance2 / max(bound * bound, 1e-37), 1.0);
 #if LIGHTS
         let radii = settings.irradiance_area_bound;
-        let area = area_at(vertex.position, vertex.normal, unit_float(hash2(group.x, group.y)));
-        share *= min(PI * distance2 / max(radii * radii * area, 1e-37), 1.0);
+        if radii > 0.0 {
+            let area = area_at(vertex.position, vertex.normal, unit_float(hash2(group.x, group.y)));
+            share *= min(PI * distance2 / max(radii * radii * area, 1e-37), 1.0);
+        }
 #endif
         sum += reflected * (1.0 - share);
     }
