@@ -53,6 +53,7 @@
 #import "reflectance-values.wgsl"
 #elif MEASURE == contribution
 #import "scene.wgsl"
+#import "squares.wgsl"
 #import "view-sample.wgsl"
 #endif
 
@@ -104,8 +105,6 @@ fn normalise(@builtin(global_invocation_id) id: vec3<u32>) {
 }
 #elif MEASURE == flux || EVALUATE != on-demand
 #if MEASURE == contribution
-const TILE: u32 = 64u;
-
 var<storage, read> samples: array<ViewSample>;
 var<workgroup> tile: array<ViewSample, TILE>;
 var rsm_position: texture_2d_array<f32>;
@@ -154,52 +153,85 @@ fn texel_of_block(block: vec2<u32>, layer: u32) -> vec2<u32> {
 }
 #endif
 
-@compute @workgroup_size(16, 16)
+#if MEASURE == contribution
+/// A texel for which a thread measures what the view receives.
+struct Measured {
+    texel: vec2<u32>,
+    flux: vec3<f32>,
+    position: vec3<f32>,
+    normal: vec3<f32>,
+    response: vec3<f32>,
+}
+
+fn measured(at: vec2<u32>, layer: u32) -> Measured {
+#if EVALUATE == blocks
+    let texel = texel_of_block(at, layer);
+#else
+    let texel = at;
+#endif
+    let position = to_extents(textureLoad(rsm_position, texel, layer, 0).xyz);
+    let normal = textureLoad(rsm_normal, texel, layer, 0).xyz;
+    return Measured(at, flux_at(texel, layer), position, normal, vec3(0.0));
+}
+
+/// Measures a square of GROUP_SIDE * SPAN texels, or blocks, of a layer. [threads: (
+///     (importance.width + SPAN - 1) / SPAN, (importance.height + SPAN - 1) / SPAN, rsm.layers)]
+@compute @workgroup_size(GROUP_SIDE, GROUP_SIDE)
 fn measure(
-    @builtin(global_invocation_id) id: vec3<u32>,
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(local_invocation_id) local: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
 ) {
-#if MEASURE == contribution && EVALUATE == blocks
-    let texel = texel_of_block(id.xy, id.z);
-#else
-    let texel = id.xy;
-#endif
-    let flux = flux_at(texel, id.z);
-#if MEASURE == contribution
-    let reflects = luminance(flux) > 0.0;
-    let position = to_extents(textureLoad(rsm_position, texel, id.z, 0).xyz);
-    let normal = textureLoad(rsm_normal, texel, id.z, 0).xyz;
-    var response = vec3(0.0);
+    let corner = group.xy * SQUARE + local.xy;
+    var places: array<Measured, SPAN * SPAN>;
+    var reflects = false;
+    for (var i = 0u; i < SPAN * SPAN; i++) {
+        places[i] = measured(corner + GROUP_SIDE * vec2(i % SPAN, i / SPAN), group.z);
+        reflects |= luminance(places[i].flux) > 0.0;
+    }
     for (var first = 0u; first < settings.view_samples; first += TILE) {
         workgroupBarrier();
-        if thread < TILE && first + thread < settings.view_samples {
+        if first + thread < settings.view_samples {
             tile[thread] = samples[first + thread];
         }
         workgroupBarrier();
-        let end = min(TILE, settings.view_samples - first);
-        if reflects {
-            for (var k = 0u; k < end; k++) {
-                response += tile[k].response * sample_geometry(position, normal, tile[k], settings.min_distance);
+        let end = select(0u, min(TILE, settings.view_samples - first), reflects);
+        for (var k = 0u; k < end; k++) {
+            let at = tile[k];
+            for (var i = 0u; i < SPAN * SPAN; i++) {
+                places[i].response += at.response * sample_geometry(places[i].position, places[i].normal, at, settings.min_distance);
             }
         }
     }
-    response /= f32(settings.view_samples);
-#endif
-#if MEASURE == contribution && EVALUATE == blocks
-    if all(id.xy < textureDimensions(importance_response)) {
-        textureStore(importance_response, id.xy, id.z, vec4(response, 0.0));
+    for (var i = 0u; i < SPAN * SPAN; i++) {
+        store(places[i], group.z);
+    }
+}
+
+fn store(place: Measured, layer: u32) {
+    let response = select(vec3(0.0), place.response / f32(settings.view_samples), luminance(place.flux) > 0.0);
+#if EVALUATE == blocks
+    if all(place.texel < textureDimensions(importance_response)) {
+        textureStore(importance_response, place.texel, layer, vec4(response, 0.0));
     }
 #else
-    if all(id.xy < textureDimensions(importance_map)) {
-#if MEASURE == contribution
-        let value = importance_of(flux, response, settings.defensive);
-#elif SPECULAR && RSM_SPECULAR
-        let value = weight_of(luminance(flux + specular_flux(texel, id.z)));
-#else
-        let value = weight_of(luminance(flux));
-#endif
-        textureStore(importance_map, id.xy, id.z, vec4(value));
+    if all(place.texel < textureDimensions(importance_map)) {
+        textureStore(importance_map, place.texel, layer, vec4(importance_of(place.flux, response, settings.defensive)));
     }
 #endif
 }
+#else
+@compute @workgroup_size(16, 16)
+fn measure(@builtin(global_invocation_id) id: vec3<u32>) {
+    let flux = flux_at(id.xy, id.z);
+#if SPECULAR && RSM_SPECULAR
+    let value = weight_of(luminance(flux + specular_flux(id.xy, id.z)));
+#else
+    let value = weight_of(luminance(flux));
+#endif
+    if all(id.xy < textureDimensions(importance_map)) {
+        textureStore(importance_map, id.xy, id.z, vec4(value));
+    }
+}
+#endif
 #endif

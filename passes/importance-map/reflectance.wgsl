@@ -4,6 +4,7 @@
 
 #import "beam.wgsl"
 #import "reflectance-values.wgsl"
+#import "squares.wgsl"
 #import "view-sample.wgsl"
 
 struct Settings {
@@ -14,8 +15,6 @@ struct Settings {
     /// Side of the blocks of which one texel is compared with the view [texels].
     block_side: u32,
 }
-
-const TILE: u32 = 64u;
 
 var<uniform> settings: Settings;
 var<storage, read> samples: array<ViewSample>;
@@ -60,35 +59,58 @@ fn index_of_block(block: vec2<u32>, layer: u32) -> u32 {
     return (layer * blocks.y + block.y) * blocks.x + block.x;
 }
 
+/// A block of which one texel is compared with the view.
+struct Compared {
+    block: vec2<u32>,
+    lit: bool,
+    /// The texel's position [extents].
+    at: vec3<f32>,
+    cosines: f32,
+}
+
+fn compared(block: vec2<u32>, layer: u32) -> Compared {
+    let texel = texel_of_block(block, layer);
+    let inside = min(texel, textureDimensions(rsm_position) - 1u);
+    let at = to_extents(textureLoad(rsm_position, inside, layer, 0).xyz);
+    return Compared(block, is_lit(texel, layer), at, 0.0);
+}
+
 /// Eq. 4.2 of a texel of each block: the mean cosine between the normals of samples of the view and the way to the texel.
-@compute @workgroup_size(16, 16)
+@compute @workgroup_size(GROUP_SIDE, GROUP_SIDE)
 fn compare_with_view(
-    @builtin(global_invocation_id) id: vec3<u32>,
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(local_invocation_id) local: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    let size = textureDimensions(rsm_position);
-    let exists = all(id.xy * settings.block_side < size);
-    let texel = texel_of_block(id.xy, id.z);
-    let lit = is_lit(texel, id.z);
-    let at = to_extents(textureLoad(rsm_position, min(texel, size - 1u), id.z, 0).xyz);
-    var cosines = 0.0;
+    let corner = group.xy * SQUARE + local.xy;
+    var blocks: array<Compared, SPAN * SPAN>;
+    var lit = false;
+    for (var i = 0u; i < SPAN * SPAN; i++) {
+        blocks[i] = compared(corner + GROUP_SIDE * vec2(i % SPAN, i / SPAN), group.z);
+        lit |= blocks[i].lit;
+    }
     for (var first = 0u; first < settings.view_samples; first += TILE) {
         workgroupBarrier();
-        if thread < TILE && first + thread < settings.view_samples {
+        if first + thread < settings.view_samples {
             tile[thread] = samples[first + thread];
         }
         workgroupBarrier();
-        let end = min(TILE, settings.view_samples - first);
-        if lit {
-            for (var k = 0u; k < end; k++) {
-                let way = at - tile[k].position;
+        let end = select(0u, min(TILE, settings.view_samples - first), lit);
+        for (var k = 0u; k < end; k++) {
+            let sample = tile[k];
+            for (var i = 0u; i < SPAN * SPAN; i++) {
+                let way = blocks[i].at - sample.position;
                 // The normal of a sample that sees nothing is 0. One at the texel itself has no direction.
-                cosines += max(dot(tile[k].normal, way), 0.0) / max(length(way), 1e-10);
+                blocks[i].cosines += max(dot(sample.normal, way), 0.0) / max(length(way), 1e-10);
             }
         }
     }
-    if exists {
-        block_seen[index_of_block(id.xy, id.z)] = cosines / f32(settings.view_samples);
+    for (var i = 0u; i < SPAN * SPAN; i++) {
+        let block = blocks[i].block;
+        if all(block * settings.block_side < textureDimensions(rsm_position)) {
+            let mean = blocks[i].cosines / f32(settings.view_samples);
+            block_seen[index_of_block(block, group.z)] = select(0.0, mean, blocks[i].lit);
+        }
     }
 }
 
