@@ -61,8 +61,10 @@ var map: texture_storage_2d_array<r32uint, write>;
 /// rsm.width * rsm.height * rsm.layers * min(parts - 1, 1)]
 var<storage, read_write> nearest: array<vec2<u32>>;
 
-/// Side of the tile of a workgroup; it has GROUP_SIZE threads.
+/// Side of a workgroup, which has GROUP_SIZE threads.
 const SIDE: u32 = 16u;
+/// Texels per thread along each side of a tile, SIDE apart: each cluster is read once for all of them.
+const SPAN: u32 = 2u;
 
 /// The clusters of a chunk whose windows meet the tile: position and importance,
 var<workgroup> listed_places: array<vec4<f32>, GROUP_SIZE>;
@@ -142,63 +144,125 @@ fn flux_distance(a: vec3<f32>, b: vec3<f32>) -> f32 {
 }
 #endif
 
-/// Finds the nearest cluster of each texel. A cluster takes an iteration, and a chunk of them a few more. [threads: texels(map),
-/// items: clusters.count, iterations: 2]
+/// A texel that looks for its cluster.
+struct Mapped {
+    texel: vec2<u32>,
+    is_inside: bool,
+    lit: bool,
+    position: vec3<f32>,
+    normal: vec3<f32>,
+#if IMPORTANCE
+    importance: f32,
+#endif
+#if FLUX
+    flux: vec3<f32>,
+#endif
+    /// Bits of the least distance, and the cluster. They are compared as bits, of which a NaN has more than any number.
+    best: vec2<u32>,
+}
+
+fn slot_of(texel: vec2<u32>, layer: u32) -> u32 {
+    let size = textureDimensions(rsm_position);
+    return (layer * size.y + texel.y) * size.x + texel.x;
+}
+
+fn mapped(texel: vec2<u32>, layer: u32) -> Mapped {
+    let size = textureDimensions(rsm_position);
+    // Outside the map, any texel will do: nothing comes of it.
+    let place = min(texel, size - 1u);
+    let position = textureLoad(rsm_position, place, layer, 0);
+    var found: Mapped;
+    found.texel = texel;
+    found.is_inside = all(texel < size);
+    found.lit = found.is_inside && is_lit(position);
+    found.position = position.xyz;
+    found.normal = direction_of(textureLoad(rsm_normal, place, layer, 0).xyz);
+#if IMPORTANCE
+    found.importance = weight_of(importance(layer, place));
+#endif
+#if FLUX
+    found.flux = flux_of(textureLoad(rsm_flux, place, layer, 0).rgb);
+#endif
+    found.best = vec2(0xffffffffu, NO_CLUSTER);
+    if settings.begin > 0u {
+        found.best = nearest[slot_of(place, layer)];
+    }
+    return found;
+}
+
+/// A cluster of the list.
+struct Listed {
+    /// Position and importance.
+    place: vec4<f32>,
+    normal: vec3<f32>,
+#if FLUX
+    flux: vec3<f32>,
+#endif
+}
+
+fn listed_at(i: u32) -> Listed {
+    var listed: Listed;
+    listed.place = listed_places[i];
+    listed.normal = listed_normals[i];
+#if FLUX
+    listed.flux = listed_fluxes[i];
+#endif
+    return listed;
+}
+
+/// Distance of a texel to a cluster. [ACRSM Eq. 4.4-4.5]
+fn distance_to(cluster: Listed, own: Mapped) -> f32 {
+    let apart = length(own.position - cluster.place.xyz);
+    var distance = settings.position_weight * apart / max(scene_info.extent, 1e-30);
+    distance += settings.normal_weight * normal_distance(cluster.normal, own.normal);
+#if IMPORTANCE
+    distance += settings.importance_weight * abs(cluster.place.w - own.importance);
+#endif
+#if FLUX
+    distance += settings.flux_weight * flux_distance(cluster.flux, own.flux);
+#endif
+    return distance;
+}
+
+/// Finds the nearest cluster of each texel of a tile. A cluster takes an iteration, and one more for each texel of a thread, and a chunk
+/// of them a few more. [threads: ((rsm.width + SPAN - 1) / SPAN, (rsm.height + SPAN - 1) / SPAN, rsm.layers), items: clusters.count,
+/// iterations: 2 + SPAN * SPAN]
 @compute @workgroup_size(SIDE, SIDE)
 fn map_texels(
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(local_invocation_id) local: vec3<u32>,
     @builtin(local_invocation_index) thread: u32,
 ) {
-    let size = textureDimensions(rsm_position);
-    let layer = group.z;
-    let corner = group.xy * SIDE;
-    let tile = Window(corner, min(corner + SIDE, size));
-    let texel = corner + local.xy;
-    let is_inside = all(texel < size);
-    // Outside the map, any texel will do: nothing comes of it.
-    let place = min(texel, size - 1u);
-    let position = textureLoad(rsm_position, place, layer, 0);
-    let lit = is_inside && is_lit(position);
-    let normal = direction_of(textureLoad(rsm_normal, place, layer, 0).xyz);
-#if IMPORTANCE
-    let own_importance = weight_of(importance(layer, place));
-#endif
-#if FLUX
-    let flux = flux_of(textureLoad(rsm_flux, place, layer, 0).rgb);
-#endif
-    // Distances are compared by their bits, of which a NaN has more than any number.
-    var best = vec2(0xffffffffu, NO_CLUSTER);
-    let slot = (layer * size.y + place.y) * size.x + place.x;
-    if settings.begin > 0u {
-        best = nearest[slot];
+    let corner = group.xy * SIDE * SPAN;
+    let tile = Window(corner, min(corner + SIDE * SPAN, textureDimensions(rsm_position)));
+    var texels: array<Mapped, SPAN * SPAN>;
+    var lit = false;
+    for (var t = 0u; t < SPAN * SPAN; t++) {
+        texels[t] = mapped(corner + local.xy + SIDE * vec2(t % SPAN, t / SPAN), group.z);
+        lit |= texels[t].lit;
     }
     let end = min(min(clusters.header.count, arrayLength(&clusters.clusters)), settings.end);
     for (var first = settings.begin; first < end; first += GROUP_SIZE) {
-        let listed = list_chunk(thread, first, end, tile, layer);
+        let listed = list_chunk(thread, first, end, tile, group.z);
         for (var i = 0u; i < select(0u, listed, lit); i++) {
-            if !part_holds(listed_indices[i].y, local.xy) {
-                continue;
-            }
-            let centre = listed_places[i];
-            var distance = settings.position_weight * length(position.xyz - centre.xyz) / max(scene_info.extent, 1e-30);
-            distance += settings.normal_weight * normal_distance(listed_normals[i], normal);
-#if IMPORTANCE
-            distance += settings.importance_weight * abs(centre.w - own_importance);
-#endif
-#if FLUX
-            distance += settings.flux_weight * flux_distance(listed_fluxes[i], flux);
-#endif
-            let bits = bitcast<u32>(distance) & 0x7fffffffu;
-            if bits < best.x {
-                best = vec2(bits, listed_indices[i].x);
+            let index = listed_indices[i];
+            let cluster = listed_at(i);
+            for (var t = 0u; t < SPAN * SPAN; t++) {
+                if texels[t].lit && part_holds(index.y, texels[t].texel - corner) {
+                    let bits = bitcast<u32>(distance_to(cluster, texels[t])) & 0x7fffffffu;
+                    if bits < texels[t].best.x {
+                        texels[t].best = vec2(bits, index.x);
+                    }
+                }
             }
         }
     }
-    if is_inside && settings.last == 0u {
-        nearest[slot] = best;
-    }
-    if is_inside && settings.last != 0u {
-        textureStore(map, texel, layer, vec4(best.y));
+    for (var t = 0u; t < SPAN * SPAN; t++) {
+        if texels[t].is_inside && settings.last == 0u {
+            nearest[slot_of(texels[t].texel, group.z)] = texels[t].best;
+        }
+        if texels[t].is_inside && settings.last != 0u {
+            textureStore(map, texels[t].texel, group.z, vec4(texels[t].best.y));
+        }
     }
 }
