@@ -5,17 +5,21 @@
 //! empty text, no items), so that types derived by serde are always read to their end and all errors are found. What is
 //! read with an error is thrown away.
 
+mod access;
+mod wording;
+
 use super::node::{Node, Number, Shape};
 use super::{Reader, SPANNED};
 use crate::codes;
 use crate::diagnostic::{Diagnostic, MAX_QUOTED, Place, nearest, shortened};
-use serde::de::value::{StrDeserializer, U32Deserializer};
-use serde::de::{self, DeserializeOwned, DeserializeSeed, Deserializer, Expected, IntoDeserializer, Visitor};
+use access::{Entries, FieldAccess, Items, SpannedAccess, Variant};
+use serde::de::{self, DeserializeOwned, DeserializeSeed, Deserializer, Visitor};
 use serde::forward_to_deserialize_any;
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::fmt;
 use std::rc::Rc;
+use wording::{forms, said, shares_a_word, words};
 
 /// Why a type refused a value; empty if that is reported.
 #[derive(Debug)]
@@ -302,37 +306,6 @@ impl<'r, 's> De<'r, 's> {
     }
 }
 
-/// Returns whether two names have a word in common: `outer_angle` and `outer_deg`.
-fn shares_a_word(a: &str, b: &str) -> bool {
-    a.split('_').any(|word| word.len() >= 3 && b.split('_').any(|other| other == word))
-}
-
-/// Returns what stands in backticks in a text, each with the word with which it begins.
-fn words(text: &str) -> impl Iterator<Item = (&str, &str)> {
-    let quoted = text.split('`').skip(1).step_by(2);
-    quoted.filter_map(|form| {
-        let word = form.split(|c: char| !(c.is_alphanumeric() || c == '_')).next()?;
-        (!word.is_empty()).then_some((word, form))
-    })
-}
-
-/// Returns what a visitor expects, where its type says so and serde does not.
-fn said<'de>(visitor: &impl Visitor<'de>) -> Option<String> {
-    let expected = (visitor as &dyn Expected).to_string();
-    let derived = ["struct ", "enum ", "tuple ", "unit ", "a tuple "];
-    (!derived.iter().any(|start| expected.starts_with(start))).then_some(expected)
-}
-
-/// Returns the forms of these names as errors write them.
-fn forms(names: &[&str]) -> String {
-    match names {
-        [] => String::new(),
-        [name] => format!("`{name}(…)`"),
-        [first, last] => format!("`{first}(…)` or `{last}(…)`"),
-        [first, rest @ ..] => format!("`{first}(…)`, {}", forms(rest)),
-    }
-}
-
 macro_rules! integers {
     ($($method:ident $visit:ident $ty:ty;)*) => {
         $(fn $method<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value> {
@@ -587,162 +560,5 @@ impl<'de, 'r, 's> Deserializer<'de> for De<'r, 's> {
                 visitor.visit_enum(bad(&self))
             }
         }
-    }
-}
-
-struct Items<'r, 's> {
-    items: std::vec::IntoIter<De<'r, 's>>,
-}
-
-impl<'de> de::SeqAccess<'de> for Items<'_, '_> {
-    type Error = Refusal;
-
-    fn next_element_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>> {
-        self.items.next().map(|item| item.give(seed)).transpose()
-    }
-
-    fn size_hint(&self) -> Option<usize> {
-        Some(self.items.len())
-    }
-}
-
-struct Entries<'r, 's> {
-    entries: std::vec::IntoIter<(De<'r, 's>, De<'r, 's>)>,
-    value: Option<De<'r, 's>>,
-}
-
-impl<'de> de::MapAccess<'de> for Entries<'_, '_> {
-    type Error = Refusal;
-
-    fn next_key_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>> {
-        let Some((key, value)) = self.entries.next() else { return Ok(None) };
-        self.value = Some(value);
-        key.give(seed).map(Some)
-    }
-
-    fn next_value_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<S::Value> {
-        self.value.take().expect("a value follows a key").give(seed)
-    }
-
-    fn size_hint(&self) -> Option<usize> {
-        Some(self.entries.len())
-    }
-}
-
-/// The known fields of a form, in order.
-struct FieldAccess<'r, 's> {
-    de: De<'r, 's>,
-    known: &'static [&'static str],
-    values: Vec<At<'r>>,
-    next: usize,
-}
-
-impl<'de> de::MapAccess<'de> for FieldAccess<'_, '_> {
-    type Error = Refusal;
-
-    fn next_key_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>> {
-        let Some(name) = self.known.get(self.next) else { return Ok(None) };
-        seed.deserialize(StrDeserializer::new(name)).map(Some)
-    }
-
-    fn next_value_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<S::Value> {
-        let (name, at) = (self.known[self.next], self.values[self.next].clone());
-        self.next += 1;
-        let form = if matches!(at, At::Absent) { self.de.form } else { None };
-        De { form, ..self.de.keyed(name, at) }.give(seed)
-    }
-}
-
-struct SpannedAccess<'r, 's> {
-    de: Option<De<'r, 's>>,
-    next: usize,
-}
-
-impl<'de> de::SeqAccess<'de> for SpannedAccess<'_, '_> {
-    type Error = Refusal;
-
-    fn next_element_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>> {
-        let Some(de) = &self.de else { return Ok(None) };
-        self.next += 1;
-        let part: U32Deserializer<Refusal> = match self.next {
-            1 => de.place.file.into_deserializer(),
-            2 => de.place.start.into_deserializer(),
-            3 => de.place.end.into_deserializer(),
-            _ => return self.de.take().map(|de| de.give(seed)).transpose(),
-        };
-        seed.deserialize(part).map(Some)
-    }
-}
-
-/// A variant of an enum.
-struct Variant<'r, 's> {
-    de: De<'r, 's>,
-    name: &'static str,
-    /// What is expected of the whole; none for a shape, whose content is the value itself.
-    expected: Option<String>,
-}
-
-impl<'de, 'r, 's> de::EnumAccess<'de> for Variant<'r, 's> {
-    type Error = Refusal;
-    type Variant = Self;
-
-    fn variant_seed<S: DeserializeSeed<'de>>(self, seed: S) -> Result<(S::Value, Self)> {
-        let name: StrDeserializer<'_, Refusal> = self.name.into_deserializer();
-        Ok((seed.deserialize(name)?, self))
-    }
-}
-
-impl<'r, 's> Variant<'r, 's> {
-    /// Returns the values in the brackets of the variant, if there are that many.
-    fn items(&self, count: usize) -> Vec<De<'r, 's>> {
-        if let At::Value(node) = self.de.at {
-            let items = node.items();
-            if items.len() == count {
-                return items.into_iter().map(|item| self.de.with(At::Value(item))).collect();
-            }
-            self.de.wrong(self.expected.as_deref().unwrap_or_default());
-        }
-        vec![self.de.with(At::Bad); count]
-    }
-}
-
-impl<'de, 'r, 's> de::VariantAccess<'de> for Variant<'r, 's> {
-    type Error = Refusal;
-
-    fn unit_variant(self) -> Result<()> {
-        if self.expected.is_some() {
-            self.items(0);
-        }
-        Ok(())
-    }
-
-    fn newtype_variant_seed<S: DeserializeSeed<'de>>(self, seed: S) -> Result<S::Value> {
-        if self.expected.is_none() {
-            return self.de.give(seed);
-        }
-        let is_form = match self.de.at {
-            At::Value(node) => matches!(node.shape(), Shape::Form(_)) && node.fields().is_some(),
-            _ => false,
-        };
-        // As the extension `unwrap_variant_newtypes`: the fields of a form are those of its content.
-        if is_form {
-            return De { form: Some(self.name), expected: self.expected, ..self.de }.give(seed);
-        }
-        self.items(1).remove(0).give(seed)
-    }
-
-    fn tuple_variant<V: Visitor<'de>>(self, len: usize, visitor: V) -> Result<V::Value> {
-        visitor.visit_seq(Items { items: self.items(len).into_iter() })
-    }
-
-    fn struct_variant<V: Visitor<'de>>(self, known: &'static [&'static str], visitor: V) -> Result<V::Value> {
-        let fields = match self.de.at {
-            At::Value(node) => node.fields(),
-            _ => None,
-        };
-        if fields.is_none() {
-            self.de.wrong(self.expected.as_deref().unwrap_or_default());
-        }
-        self.de.form(self.name, known, fields, visitor)
     }
 }
