@@ -1,6 +1,7 @@
-//! Reads a study: the types that serde reads, and the checks that need no pipeline and no scene.
+//! Reads a study, and checks what needs no pipeline and no scene.
 
 mod claims;
+mod file;
 
 use super::{
     At, Budget, Group, Phase, Pipelines, Reference, SEED, SIZE, Set, Study, StudyFigure, Variant, Vary,
@@ -10,10 +11,12 @@ use crate::codes;
 use crate::external::External;
 use crate::measure::Measure;
 use crate::record::AxisValue;
-use claims::ClaimFile;
 use data_file::grammar::{Entries, Expected, Number, Reader, Spanned, read, read_broken};
 use data_file::{Diagnostic, Diagnostics, Place, Source, Span};
-use serde::Deserialize;
+use file::{
+    All, BudgetFile, Crop, FigureFile, Given, GroupFile, LightsFile, NamedLights, NamedVariant, Names,
+    PipelinesFile, ReferenceFile, SeedsFile, Sets, StudyFile, Text, ValueFile, VariantFile, VaryFile, Whole,
+};
 use std::sync::Arc;
 
 const VALUE: &str = "a truth value, a finite number or text";
@@ -37,169 +40,10 @@ pub(super) fn parse_broken(source: &Arc<Source>) -> Option<Study> {
     read_broken(source, |reader, file| Checks { reader }.study(file))
 }
 
-type Text = Spanned<String>;
-type Whole = Spanned<i128>;
-type Names = Spanned<Vec<Text>>;
-type Sets = Entries<Given<Spanned<ValueFile>>>;
-
 /// Returns which fields and forms may stand at a byte of a study file.
 pub(super) fn expected(text: &str, at: usize) -> Expected {
     data_file::grammar::expected::<StudyFile>(text, at)
 }
-
-#[derive(Deserialize)]
-#[serde(rename = "Study")]
-struct StudyFile {
-    title: Option<String>,
-    about: Option<String>,
-    paper: Option<String>,
-    scenes: Names,
-    pipelines: Spanned<PipelinesFile>,
-    output: Option<Text>,
-    size: Option<SizeFile>,
-    first_frame: Option<Whole>,
-    jump: Option<Whole>,
-    set: Sets,
-    vary: Option<VaryFile>,
-    budget: Option<BudgetFile>,
-    warm_up: Option<Whole>,
-    seeds: Option<SeedsFile>,
-    measures: Names,
-    phases: Option<Spanned<Entries<Names>>>,
-    figures: Option<Spanned<Entries<FigureFile>>>,
-    reference: Option<Spanned<ReferenceFile>>,
-    claims: Option<Spanned<Vec<Spanned<ClaimFile>>>>,
-    crops: Option<Spanned<Vec<Spanned<Crop>>>>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "$shape")]
-enum PipelinesFile {
-    List(Vec<VariantFile>),
-    Other(All),
-}
-
-#[derive(Deserialize)]
-#[serde(expecting = "a list of pipelines, or `All(except: […])`")]
-struct All {
-    except: Option<Names>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "$shape")]
-enum VariantFile {
-    Text(Text),
-    Other(NamedVariant),
-}
-
-#[derive(Deserialize)]
-#[serde(
-    expecting = "the name of a pipeline, `Variant(name: \"…\", pipeline: \"…\", set: {…})` or `External(name: \"…\", command: \"…\")`"
-)]
-enum NamedVariant {
-    Variant { name: Text, pipeline: Text, set: Sets },
-    External { name: Text, command: Text, limit: Option<Whole> },
-}
-
-#[derive(Deserialize)]
-#[serde(expecting = "a size in pixels: (width, height)")]
-struct SizeFile([Whole; 2]);
-
-#[derive(Deserialize)]
-#[serde(rename = "$shape", expecting = "a truth value, a finite number or text")]
-enum ValueFile {
-    Bool(bool),
-    Number(f64),
-    Text(String),
-    /// A size, where the axis is that.
-    Tuple(Vec<Whole>),
-}
-
-/// A value, which may stand in `Optional(…)`.
-#[derive(Deserialize)]
-#[serde(rename = "$shape")]
-enum Given<T> {
-    Form(Optional<T>),
-    Other(T),
-}
-
-#[derive(Deserialize)]
-enum Optional<T> {
-    Optional(T),
-}
-
-impl<T> Given<T> {
-    /// Returns the value, and whether it is optional.
-    fn value(self) -> (T, bool) {
-        match self {
-            Given::Form(Optional::Optional(value)) => (value, true),
-            Given::Other(value) => (value, false),
-        }
-    }
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "$shape")]
-enum VaryFile {
-    List(Vec<GroupFile>),
-    Other(GroupFile),
-}
-
-type Axes = Spanned<Entries<Given<Spanned<Vec<Spanned<ValueFile>>>>>>;
-
-#[derive(Deserialize)]
-#[serde(expecting = "`Grid({ \"name\": [values] })`, `Paired({ \"name\": [values] })`, or a list of them")]
-enum GroupFile {
-    Grid(Axes),
-    Paired(Axes),
-}
-
-#[derive(Deserialize)]
-#[serde(expecting = "`Frames(8)`, `Time(ms: 20.0, by: \"lights\")`, `Time(ms: 500.0)` or `Lights(1024)`")]
-enum BudgetFile {
-    Frames(Whole),
-    Time { ms: Spanned<Number>, by: Option<Text>, frames: Option<Whole> },
-    Lights(LightsFile),
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "$shape")]
-enum LightsFile {
-    Form(NamedLights),
-    Other(Whole),
-}
-
-#[derive(Deserialize)]
-struct NamedLights {
-    count: Whole,
-    by: Option<Text>,
-    frames: Option<Whole>,
-}
-
-#[derive(Deserialize)]
-#[serde(rename = "$shape")]
-enum SeedsFile {
-    List(Spanned<Vec<Whole>>),
-    Other(Whole),
-}
-
-#[derive(Deserialize)]
-#[serde(
-    expecting = "`Pipeline(pipeline: \"reference\", set: {…})`, `Picture(\"file.exr\")`, `Pictures({ \"scene\": \"file.exr\" })` or `None`"
-)]
-enum ReferenceFile {
-    Pipeline { pipeline: Text, set: Sets, follow: Option<Names>, frames: Option<Whole> },
-    Picture(Text),
-    Pictures(Entries<Text>),
-}
-
-#[derive(Deserialize)]
-#[serde(expecting = "the name of a figure: \"pass.port.figure\"")]
-struct FigureFile(Text);
-
-#[derive(Deserialize)]
-#[serde(expecting = "a part of the picture, in shares of its sides: (left, top, width, height)")]
-struct Crop([Number; 4]);
 
 /// The checks of the values of a file.
 struct Checks<'a, 'b> {
