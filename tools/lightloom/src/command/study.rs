@@ -6,6 +6,7 @@ mod laboratory;
 mod progress;
 mod registry;
 mod snakefile;
+mod summary;
 mod warnings;
 mod workers;
 
@@ -26,8 +27,9 @@ use std::sync::Arc;
 use std::time::Duration;
 use study::{
     AxisValue, Costs, Edits, Outcome, Plan, Ran, Results, RunOptions, SHARD_MINUTES, Shard, UNKNOWN_SECONDS,
-    Verdict,
 };
+use summary::{failed, report, shard_report};
+pub(crate) use summary::{failures, failures_json, print_failures};
 use warnings::warnings;
 pub(crate) use warnings::{MOST_RUNS, without_effect};
 
@@ -354,14 +356,6 @@ fn costs(args: &Args, out: &Path) -> Result<Costs> {
     Ok(Costs::read(folder)?)
 }
 
-/// Returns the message at the end of a run with failed cells.
-fn failed(count: usize) -> String {
-    match count {
-        1 => "1 cell failed; the same command tries it again".to_owned(),
-        count => format!("{count} cells failed; the same command tries them again"),
-    }
-}
-
 /// Returns a study by name or path.
 pub(crate) fn source(context: &Context, name: &str) -> Result<Arc<Source>> {
     context.expect(Sort::Study, name)?;
@@ -441,104 +435,4 @@ fn write_snakefile(
         stdout!("{}", path.display());
     }
     Ok(())
-}
-
-/// Prints the summary of a shard. Its failed cells are rows too: they are in the report of the whole, and fail no batch job.
-fn shard_report(context: &Context, ran: &Ran) {
-    let study = &ran.results.study;
-    let missing = study.cell_count.saturating_sub(ran.results.cells.len());
-    let failures = failures(&ran.results);
-    if context.json {
-        output::json(&json!({
-            "study": study.name,
-            "cells": ran.results.cells.len(),
-            "missing": missing,
-            "run": ran.run,
-            "failed": failures_json(&failures),
-        }));
-        return;
-    }
-    print_failures(&failures);
-    stdout!(
-        "{} of {} cells are of this shard; {} ran now",
-        ran.results.cells.len(),
-        study.cell_count,
-        ran.run
-    );
-}
-
-/// Returns the cells that failed, each with the first line of its error.
-pub(crate) fn failures(results: &Results) -> Vec<(String, &str)> {
-    let failures = results.cells.iter().filter_map(|cell| match &cell.outcome {
-        Outcome::Done => None,
-        Outcome::Failed { error } => Some((study::name_of(cell), error.lines().next().unwrap_or_default())),
-    });
-    failures.collect()
-}
-
-pub(crate) fn failures_json(failures: &[(String, &str)]) -> serde_json::Value {
-    failures.iter().map(|(cell, error)| json!({ "cell": cell, "error": error })).collect()
-}
-
-pub(crate) fn print_failures(failures: &[(String, &str)]) {
-    for (cell, error) in failures {
-        stdout!("failed  {cell}: {error}");
-    }
-}
-
-/// Writes the report and prints a summary.
-fn report(context: &Context, results: &Results, folder: &Path, run: Option<usize>) -> Result<()> {
-    let files = study::report(results, folder)?;
-    let page = files.first().map(|page| page.canonicalize().unwrap_or_else(|_| page.clone()));
-    let failures = failures(results);
-    let missing = results.study.cell_count.saturating_sub(results.cells.len());
-    let findings = results.findings();
-    let claims = |verdict| findings.iter().filter(|finding| finding.verdict == verdict).count();
-    let [hold, fail, undecided, not_measured] =
-        [Some(Verdict::Holds), Some(Verdict::Fails), Some(Verdict::Undecided), None].map(claims);
-    if context.json {
-        let pictures: Vec<_> = results
-            .cells
-            .iter()
-            .map(|cell| json!({ "cell": study::name_of(cell), "key": cell.key, "images": cell.images }))
-            .collect();
-        output::json(&json!({
-            "study": results.study.name,
-            "report": page,
-            "cells": results.cells.len(),
-            "missing": missing,
-            "run": run,
-            "failed": failures_json(&failures),
-            "pictures": pictures,
-            "claims": { "hold": hold, "fail": fail, "undecided": undecided, "not_measured": not_measured },
-            "findings": findings,
-        }));
-        return Ok(());
-    }
-    print_failures(&failures);
-    if missing > 0 {
-        stdout!("{missing} of {} cells are not here", results.study.cell_count);
-    }
-    if let Some(table) = study::claims(results) {
-        stdout!("{}", table.text());
-        stdout!(
-            "claims  {hold} of {} hold, {fail} do not, {undecided} are not decided, {not_measured} not measured",
-            findings.len()
-        );
-    }
-    if let Some(page) = page {
-        stdout!("{}", page.display());
-    }
-    Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::failed;
-
-    #[test]
-    fn one_cell_is_one_cell() {
-        assert_eq!(failed(1), "1 cell failed; the same command tries it again");
-        assert_eq!(failed(2), "2 cells failed; the same command tries them again");
-    }
 }
