@@ -3,7 +3,7 @@
 use crate::program::{Done, Folder, command_of_tree, run_in};
 use serde_json::Value;
 
-const QUICK: &[&str] = &["--size", "32x32", "--samples", "32", "--set", "rsm.size=64", "--json"];
+const QUICK: &[&str] = &["--size", "32x32", "--samples", "512", "--set", "rsm.size=64", "--json"];
 
 fn tune(folder: &Folder, arguments: &[&str]) -> Done {
     let mut command = command_of_tree(folder);

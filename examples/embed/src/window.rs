@@ -102,7 +102,7 @@ struct Open<P> {
 impl<P: Program> Open<P> {
     fn new(event_loop: &ActiveEventLoop, title: &str, describe: Describe) -> Result<Self> {
         let attributes =
-            WindowAttributes::default().with_title(title).with_inner_size(PhysicalSize::new(480, 480));
+            WindowAttributes::default().with_title(title).with_inner_size(PhysicalSize::new(320, 320));
         let window = Arc::new(event_loop.create_window(attributes)?);
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env());
         let surface = instance.create_surface(Arc::clone(&window))?;

@@ -63,7 +63,7 @@ fn the_box_and_what_the_program_draws_over_it_are_seen() {
     let mut program = Running(command.envs([display.env()]).env_remove("WAYLAND_DISPLAY").spawn().unwrap());
     let mut window = display.wait_for_window("Lightloom, embedded", SOON).unwrap();
     // The right part of the second lies outside the first, so that it is seen only if the renderer follows.
-    for (width, height) in [(480, 480), (800, 400)] {
+    for (width, height) in [(320, 320), (480, 240)] {
         window.resize(width, height);
         let seen = window.wait_until(SOON, shows_all).unwrap();
         let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("embed-{width}x{height}.png"));

@@ -222,7 +222,7 @@ fn assert_edited(now: &Scene, was: &Scene, edit: &SceneEdit) -> Result<(), TestC
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(1500))]
+    #![proptest_config(ProptestConfig::with_cases(300))]
 
     #[test]
     fn what_is_set_is_read_back_and_comments_remain(file in any::<prop::sample::Index>(), draw in draw()) {
