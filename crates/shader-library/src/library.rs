@@ -46,7 +46,7 @@ impl Request {
 }
 
 /// The greatest number of variants that [`Library::variants`] lists.
-pub const MAX_VARIANTS: usize = 64;
+pub const MAX_VARIANTS: usize = 128;
 
 /// Shaders by request, each loaded once and kept until one of its files changes.
 pub struct Library {

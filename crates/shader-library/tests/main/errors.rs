@@ -88,7 +88,7 @@ fn options() {
 
 #[test]
 fn too_many_variants() {
-    let options: String = (0..7).map(|i| format!("#option SWITCH_{i} false\n")).collect();
+    let options: String = (0..8).map(|i| format!("#option SWITCH_{i} false\n")).collect();
     let text = options + ENTRY;
     let error = library(&[("main.wgsl", &text)]).variants(&Request::new("main.wgsl")).unwrap_err();
     insta::with_settings!({ prepend_module_to_snapshot => false, omit_expression => true }, {
