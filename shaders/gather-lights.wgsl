@@ -18,6 +18,7 @@
 #option VISIBILITY false // whether something says which lights are seen
 
 #import "light-geometry.wgsl"
+#import "squares.wgsl"
 #import "view-place.wgsl"
 #import "virtual-lights.wgsl"
 #if VISIBILITY
@@ -48,18 +49,6 @@ fn subset(s: u32, subsets: u32, count: u32) -> Subset {
     return Subset(s, (count + subsets - 1u - s) / subsets, subsets);
 }
 
-/// Pixels per thread along each side of a square, GROUP_SIDE apart: each light is read once for all of them.
-const SPAN: u32 = 2u;
-
-/// Side of a workgroup.
-const GROUP_SIDE: u32 = 8u;
-
-/// Side of the square of pixels of a sub-image that a workgroup takes.
-const SQUARE: u32 = GROUP_SIDE * SPAN;
-
-/// The threads of a workgroup.
-const TILE: u32 = GROUP_SIDE * GROUP_SIDE;
-
 /// Gathers at the pixels of a square of GROUP_SIDE * SPAN in one sub-image. A light takes an iteration, and one more and a lookup
 /// for each pixel of a thread. [threads: (
 ///     ((view.width + irradiance.interleave_x - 1) / irradiance.interleave_x + SQUARE - 1) / SQUARE * GROUP_SIDE,
@@ -83,7 +72,7 @@ fn gather(
     let corner = vec2(group.x, group.y % groups.y) * SQUARE + local.xy;
     var receivers: array<Receiver, SPAN * SPAN>;
     for (var r = 0u; r < SPAN * SPAN; r++) {
-        let pixel = (corner + GROUP_SIDE * vec2(r % SPAN, r / SPAN)) * interleave + first;
+        let pixel = (corner + place_in_square(r)) * interleave + first;
         receivers[r] = receiver(place_at(pixel, settings.view_size));
     }
     let own = subset(image, subsets, min(lights.count, arrayLength(&lights.lights)));

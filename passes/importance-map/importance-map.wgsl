@@ -186,7 +186,7 @@ fn measure(
     var places: array<Measured, SPAN * SPAN>;
     var reflects = false;
     for (var i = 0u; i < SPAN * SPAN; i++) {
-        places[i] = measured(corner + GROUP_SIDE * vec2(i % SPAN, i / SPAN), group.z);
+        places[i] = measured(corner + place_in_square(i), group.z);
         reflects |= luminance(places[i].flux) > 0.0;
     }
     for (var first = 0u; first < settings.view_samples; first += TILE) {

@@ -86,7 +86,7 @@ fn compare_with_view(
     var blocks: array<Compared, SPAN * SPAN>;
     var lit = false;
     for (var i = 0u; i < SPAN * SPAN; i++) {
-        blocks[i] = compared(corner + GROUP_SIDE * vec2(i % SPAN, i / SPAN), group.z);
+        blocks[i] = compared(corner + place_in_square(i), group.z);
         lit |= blocks[i].lit;
     }
     for (var first = 0u; first < settings.view_samples; first += TILE) {

@@ -13,7 +13,7 @@ pass::from_wgsl!(outputs, record);
 const VALUES: Struct = Struct::new("passes/importance-map/reflectance-values.wgsl", "ReflectanceValues");
 const GREATEST: Struct = Struct::new("passes/importance-map/reflectance-values.wgsl", "GreatestValues");
 
-/// Blocks per thread along each side of a square: SPAN of squares.wgsl.
+/// Blocks per thread along each side of a square: SPAN of shaders/squares.wgsl.
 const SPAN: u32 = 2;
 
 /// Returns the measure, and where it is evaluated.
