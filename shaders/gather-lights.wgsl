@@ -16,6 +16,7 @@
 // where `terms` are those of `light_geometry`, times the visibility; `index` is the light's.
 
 #option VISIBILITY false // whether something says which lights are seen
+#option DEFERS false internal // whether `visibility` has `visibility_at_once`: rays are then traced after the lookups that take none
 
 #import "light-geometry.wgsl"
 #import "squares.wgsl"
@@ -30,6 +31,7 @@ var<storage, read> lights: VirtualLights;
 /// Sums of the dispatches before, pixel by pixel. [scratch, count: view.width * view.height * min(parts - 1, 1)]
 var<storage, read_write> sums: array<Sum>;
 
+/// Lights that a workgroup reads at once, at most as many as the bits of two words.
 const STAGED: u32 = 64u;
 var<workgroup> staged: array<VirtualLight, STAGED>;
 
@@ -55,7 +57,7 @@ fn subset(s: u32, subsets: u32, count: u32) -> Subset {
 ///     ((view.height + irradiance.interleave_y - 1) / irradiance.interleave_y + SQUARE - 1) / SQUARE * GROUP_SIDE
 ///         * irradiance.interleave_x * irradiance.interleave_y, 1),
 /// items: 1 + lights.count / (min(settings.interleave_x, view.width) * min(settings.interleave_y, view.height)),
-/// iterations: 1 + SPAN * SPAN * (1 + visibility.iterations)]
+/// iterations: 1 + SPAN * SPAN * (2 + visibility.iterations)]
 @compute @workgroup_size(GROUP_SIDE, GROUP_SIDE)
 fn gather(
     @builtin(workgroup_id) group: vec3<u32>,
@@ -83,13 +85,34 @@ fn gather(
         }
         workgroupBarrier();
         let end = min(part_end - begin, STAGED);
+#if VISIBILITY && DEFERS
+        // By pixel, a bit for each staged light that a ray decides. Threads that trace rays one behind the other wait less for
+        // those beside them than threads that trace each where they meet it.
+        var deferred = array<vec2<u32>, SPAN * SPAN>();
+#endif
         for (var i = 0u; i < end; i++) {
             let light = staged[i];
             let index = own.first + (begin + i) * own.stride;
             for (var r = 0u; r < SPAN * SPAN; r++) {
+#if VISIBILITY && DEFERS
+                let at_once = light_at_once(receivers[r], light, index);
+                receivers[r].sum += at_once.sum;
+                deferred[r][i / 32u] |= select(0u, 1u << (i % 32u), at_once.is_deferred);
+#else
                 receivers[r].sum += light_at(receivers[r], light, index);
+#endif
             }
         }
+#if VISIBILITY && DEFERS
+        for (var r = 0u; r < SPAN * SPAN; r++) {
+            while any(deferred[r] != vec2(0u)) {
+                let word = select(1u, 0u, deferred[r].x != 0u);
+                let i = 32u * word + firstTrailingBit(deferred[r][word]);
+                deferred[r][word] &= deferred[r][word] - 1u;
+                receivers[r].sum += light_at(receivers[r], staged[i], own.first + (begin + i) * own.stride);
+            }
+        }
+#endif
         workgroupBarrier();
     }
     for (var r = 0u; r < SPAN * SPAN; r++) {
@@ -183,13 +206,20 @@ fn is_alone(pixel: vec2<u32>, interleave: vec2<u32>) -> bool {
     return alike < settings.complete_below;
 }
 
+/// The terms of a light at a pixel, without its visibility.
+fn terms_at(place: Place, light: VirtualLight) -> vec2<f32> {
+    let terms = light_geometry(light, place.at, place.normal, settings.clamp, settings.area_bound);
+#if VIEW_GEOMETRIC
+    return terms * select(0.0, 1.0, is_before(light, place.at, place.plane));
+#else
+    return terms;
+#endif
+}
+
 /// What a light gives at a pixel.
 fn light_at(receiver: Receiver, light: VirtualLight, index: u32) -> Sum {
     let place = receiver.place;
-    var terms = light_geometry(light, place.at, place.normal, settings.clamp, settings.area_bound);
-#if VIEW_GEOMETRIC
-    terms *= select(0.0, 1.0, is_before(light, place.at, place.plane));
-#endif
+    var terms = terms_at(place, light);
 #if VISIBILITY
     if terms.x > 0.0 && place.seen {
         terms *= visibility(index, light, place.at, place.plane);
@@ -197,6 +227,28 @@ fn light_at(receiver: Receiver, light: VirtualLight, index: u32) -> Sum {
 #endif
     return contribution(receiver, light, index, terms);
 }
+
+#if VISIBILITY && DEFERS
+/// What a light gives at a pixel, unless a ray decides that.
+struct AtOnce {
+    sum: Sum,
+    is_deferred: bool,
+}
+
+/// What a light gives at a pixel by what its map is sure of.
+fn light_at_once(receiver: Receiver, light: VirtualLight, index: u32) -> AtOnce {
+    let place = receiver.place;
+    var terms = terms_at(place, light);
+    if terms.x > 0.0 && place.seen {
+        let seen = visibility_at_once(index, light, place.at, place.plane);
+        if seen < 0.0 {
+            return AtOnce(Sum(), true);
+        }
+        terms *= seen;
+    }
+    return AtOnce(contribution(receiver, light, index, terms), false);
+}
+#endif
 
 /// Adds the sum of a dispatch to those of the dispatches before, and stores what the last makes of them.
 fn add(place: Place, part: Sum) {

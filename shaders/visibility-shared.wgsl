@@ -16,13 +16,25 @@ var<storage, read> visibility_owners: array<u32>;
 var<storage, read> visibility_sources: VirtualLights;
 #endif
 
+/// A map, and the light whose it is.
+struct OwnMap {
+    index: u32,
+    light: VirtualLight,
+}
+
+/// The map by which a light is looked up.
+fn map_of(index: u32, light: VirtualLight) -> OwnMap {
+#if SHARED
+    let owner = visibility_owners[index];
+    return OwnMap(owner, visibility_sources.lights[owner]);
+#else
+    return OwnMap(index, light);
+#endif
+}
+
 /// Part of a virtual light that is seen from a point: 0 behind the light's plane and in shadow, 1 in the light.
 /// `index` is the light's, `at` [m] and the unit `normal` are the receiver's.
 fn visibility(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32 {
-#if SHARED
-    let owner = visibility_owners[index];
-    return visibility_by_map(owner, visibility_sources.lights[owner], at, normal);
-#else
-    return visibility_by_map(index, light, at, normal);
-#endif
+    let own = map_of(index, light);
+    return visibility_by_map(own.index, own.light, at, normal);
 }

@@ -2,6 +2,7 @@
 
 #option LIT edges one_of [believed, edges, all] // Which receivers a ray decides of that lie before all that their texel
     // has. believed: none. edges: those with something nearer in a texel beside theirs. all: all of them.
+#option DEFERS false internal // whether readers ask `visibility_at_once` first; the pass sets it
 
 #import "atlas-lookup.wgsl"
 #import "light-ray.wgsl"
@@ -31,7 +32,9 @@ fn is_at_edge(lookup: ParaboloidLookup, index: u32, texel: vec2<u32>) -> bool {
 }
 #endif
 
-fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32 {
+/// 1 where the map is sure that the receiver is lit, and 0 where that it is hidden; else the length of the ray that decides [m],
+/// negative.
+fn verdict_of_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32 {
     let lookup = atlas_lookup(light, at, normal);
     if lookup.behind {
         return 0.0;
@@ -47,7 +50,6 @@ fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec
     if abs(own - stored) <= lookup.bias {
         return 1.0;
     }
-    var reach = doubt;
     if stored > own {
 #if LIT == believed
         return 1.0;
@@ -56,7 +58,21 @@ fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec
             return 1.0;
         }
 #endif
-        reach = FAR;
+        return -FAR;
     }
-    return select(0.0, 1.0, is_free(light, at, normal, reach));
+    return -doubt;
+}
+
+fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32 {
+    let verdict = verdict_of_map(index, light, at, normal);
+    if verdict >= 0.0 {
+        return verdict;
+    }
+    return select(0.0, 1.0, is_free(light, at, normal, -verdict));
+}
+
+/// The visibility where the map is sure, and a negative number where a ray decides.
+fn visibility_at_once(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32 {
+    let own = map_of(index, light);
+    return verdict_of_map(own.index, own.light, at, normal);
 }

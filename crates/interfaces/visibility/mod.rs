@@ -25,7 +25,8 @@ pub const SLOPE_BIAS: Fact<f32> = Fact::optional(
 pub const INTERFACE: Interface = Interface::new(
     "Visibility",
     "Whether a virtual light is seen from a point. Module: defines `fn visibility(index: u32, light: VirtualLight, at: \
-     vec3<f32>, normal: vec3<f32>) -> f32`.",
+     vec3<f32>, normal: vec3<f32>) -> f32`; with the option `DEFERS` also `visibility_at_once`, which is negative where a ray \
+     decides and else the same.",
     &[
         Member::optional(
             "atlas",
