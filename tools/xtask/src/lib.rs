@@ -12,5 +12,6 @@ pub mod packages;
 pub mod release;
 pub mod semver;
 pub mod test;
+pub mod test_programs;
 pub mod tidy;
 pub mod tree;

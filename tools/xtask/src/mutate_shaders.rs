@@ -4,14 +4,14 @@ mod changes;
 
 pub use changes::{Change, changes};
 
-use crate::cargo::cargo;
 use crate::test::BUILT;
+use crate::test_programs::{TestProgram, test_programs};
 use crate::tree::{File, Tree, line_at};
 use anyhow::{Context, Result, ensure};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Stdio};
+use std::process::{Child, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -132,36 +132,18 @@ pub fn users(tree: &Tree, path: &str, most: usize) -> Vec<String> {
     found
 }
 
-/// The programs of the tests of a package, and where they run.
-struct Tests {
-    folder: PathBuf,
-    programs: Vec<PathBuf>,
-}
+/// The programs of the tests of a package.
+struct Tests(Vec<TestProgram>);
 
 /// Builds all tests, once, since they read shaders when they run, and as `cargo xtask test` does, which has mostly built them; returns
 /// those of these packages.
 fn build<'a>(tree: &Tree, packages: impl Iterator<Item = &'a String>) -> Result<BTreeMap<String, Tests>> {
-    let mut command = cargo(tree.root(), "test");
-    command.args(BUILT).args(["--no-run", "--message-format", "json-render-diagnostics"]);
-    let built = command.stderr(Stdio::inherit()).output();
-    let built = built.with_context(|| format!("cannot run {command:?}"))?;
-    ensure!(built.status.success(), "{command:?} failed: {}", built.status);
-    let folder = |package: &str| tree.package(package).map(|manifest| tree.root().join(manifest.folder()));
-    let mut tests: BTreeMap<String, Tests> = packages
-        .filter_map(|package| {
-            Some((package.clone(), Tests { folder: folder(package)?, programs: Vec::new() }))
-        })
-        .collect();
-    for line in built.stdout.lines() {
-        let message: serde_json::Value = serde_json::from_str(&line?)?;
-        let path = |name: &str| message[name].as_str().map(Path::new);
-        let (Some(manifest), Some(program)) = (path("manifest_path"), path("executable")) else { continue };
-        let of = tests.values_mut().find(|tests| manifest.parent() == Some(&tests.folder));
-        if let (Some(of), Some(true)) = (of, message["profile"]["test"].as_bool()) {
-            of.programs.push(program.to_owned());
-        }
-    }
-    Ok(tests)
+    let mut programs = test_programs(tree.root(), BUILT)?;
+    let mut of = |package: &String| {
+        let folder = tree.root().join(tree.package(package)?.folder());
+        Some((package.clone(), Tests(programs.extract_if(.., |program| program.folder == folder).collect())))
+    };
+    Ok(packages.collect::<BTreeSet<_>>().into_iter().filter_map(&mut of).collect())
 }
 
 /// A file while it is changed; dropped, it is as it was.
@@ -200,20 +182,18 @@ fn judge(packages: &[&Tests], limit: Duration) -> Result<String> {
     }
     for tests in packages {
         if let Some(test) = tests.run(None, limit)? {
-            let package = tests.folder.file_name().unwrap_or_default().to_string_lossy();
-            return Ok(format!("killed by {test} of {package}"));
+            return Ok(format!("killed by {test}"));
         }
     }
     Ok(if packages.is_empty() { "untested" } else { "survives" }.into())
 }
 
 impl Tests {
-    /// Returns the first test that fails, of those whose names contain the filter.
+    /// Returns the first test that fails, of those whose names contain the filter, and its package.
     fn run(&self, filter: Option<&str>, limit: Duration) -> Result<Option<String>> {
-        for program in &self.programs {
-            let mut command = Command::new(program);
-            command.args(filter).current_dir(&self.folder).env("CARGO_MANIFEST_DIR", &self.folder);
-            command.env("INSTA_UPDATE", "no").stdout(Stdio::piped()).stderr(Stdio::null());
+        for program in &self.0 {
+            let mut command = program.command();
+            command.args(filter).env("INSTA_UPDATE", "no").stdout(Stdio::piped()).stderr(Stdio::null());
             let mut child = command.spawn().with_context(|| format!("cannot run {command:?}"))?;
             let failed = first_failure(&mut child, Instant::now() + limit);
             if failed.is_some() {
@@ -222,7 +202,9 @@ impl Tests {
             }
             let status = child.wait()?;
             if failed.is_some() || !status.success() {
-                return Ok(failed.or_else(|| Some(format!("an end by {status}"))));
+                let failed = failed.unwrap_or_else(|| format!("an end by {status}"));
+                let package = program.folder.file_name().unwrap_or_default().to_string_lossy();
+                return Ok(Some(format!("{failed} of {package}")));
             }
         }
         Ok(None)

@@ -2,16 +2,16 @@
 
 use crate::cargo::{built, cargo, run as run_command};
 use crate::packages::Consent;
+use crate::test_programs::{Named, TestProgram, run_all, test_programs};
 use crate::{gpu, optional};
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use std::collections::BTreeMap;
-use std::io::{BufRead, BufReader};
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
 use std::time::Instant;
 
-/// Tests that run at once on a renderer on the CPU, where each of them takes all cores already.
-const THREADS_ON_CPU: &str = "2";
+/// The program of tests that runs about as long as all others together: it begins first, beside the others.
+const LONGEST: &str = "whole-program";
 
 /// The packages and features that are built: all packages, with a window on X11 and without what else a desktop offers, which no test uses.
 pub const BUILT: &[&str] =
@@ -22,7 +22,7 @@ pub const BUILT: &[&str] =
 const SHADER_CACHE: &str = "MESA_SHADER_CACHE_DIR";
 
 /// Lets tests that pass say what they skipped, and what ran.
-const TELLING: &[&str] = &["--", "--show-output"];
+const TELLING: &str = "--show-output";
 
 /// Runs the slow tests too, which are marked by `#[ignore]`; the measurements that are marked likewise are no tests.
 const ALL: &[&str] = &["--include-ignored", "--skip", "measurement"];
@@ -38,25 +38,35 @@ pub fn run(root: &Path, consent: Consent, all: bool) -> Result<()> {
     check(&adapters, all)?;
     optional::ensure(consent);
 
-    let mut command = cargo(root, "test");
-    command.args(BUILT).arg("--no-fail-fast").args(TELLING);
-    command.args(if all { ALL } else { &[] }).stdout(Stdio::piped());
-    quieten_mesa(&mut command, std::env::var_os("XDG_RUNTIME_DIR").is_some());
-    if std::env::var_os(SHADER_CACHE).is_none() {
-        command.env(SHADER_CACHE, root.join("target/shader-cache"));
-    }
-    if gpu::on_cpu(&adapters) && std::env::var_os("RUST_TEST_THREADS").is_none() {
-        command.env("RUST_TEST_THREADS", THREADS_ON_CPU);
-    }
-    let mut child = command.spawn().with_context(|| format!("cannot run {command:?}"))?;
-    let mut summary = Summary::default();
-    for line in BufReader::new(child.stdout.take().context("the output of the tests")?).lines() {
-        let line = line?;
-        if summary.read(&line) {
-            println!("{line}");
+    let mut programs = test_programs(root, BUILT)?;
+    programs.sort_by_key(|program| program.target != LONGEST);
+    let on_cpu = gpu::on_cpu(&adapters) && std::env::var_os("RUST_TEST_THREADS").is_none();
+    let named = |program: &TestProgram| {
+        let mut command = program.command();
+        command.arg(TELLING).args(if all { ALL } else { &[] });
+        if on_cpu {
+            command.env("RUST_TEST_THREADS", threads_on_cpu(&program.target));
+        }
+        let folder = program.folder.strip_prefix(root).unwrap_or(&program.folder);
+        Named { name: format!("{} {}", folder.display(), program.target), command }
+    };
+    let mut commands: Vec<Named> = programs.iter().map(named).collect();
+    let mut examples = cargo(root, "test");
+    examples.args(BUILT).args(["--doc", "--no-fail-fast", "--quiet"]);
+    commands.push(Named { name: "the examples of documentation".to_owned(), command: examples });
+    for Named { command, .. } in &mut commands {
+        quieten_mesa(command, std::env::var_os("XDG_RUNTIME_DIR").is_some());
+        if std::env::var_os(SHADER_CACHE).is_none() {
+            command.env(SHADER_CACHE, root.join("target/shader-cache"));
         }
     }
-    let status = child.wait()?;
+    let mut summary = Summary::default();
+    for ended in run_all(commands, Summary::read)? {
+        if !ended.status.success() && ended.read.failed.is_empty() {
+            summary.failed.push(format!("{}: {}", ended.name, ended.status));
+        }
+        summary.add(ended.read);
+    }
 
     println!("\n{summary}, in {} s", start.elapsed().as_secs());
     if summary.ignored > 0 && !all {
@@ -67,10 +77,15 @@ pub fn run(root: &Path, consent: Consent, all: bool) -> Result<()> {
     } else {
         println!("On {}", adapters.join("; "));
     }
-    if !status.success() {
+    if !summary.failed.is_empty() {
         bail!("not all tests pass");
     }
     Ok(())
+}
+
+/// Returns how many tests of a program run at once on a renderer on the CPU, where each of them takes all cores for a part of its time.
+fn threads_on_cpu(target: &str) -> &'static str {
+    if target == LONGEST { "2" } else { "1" }
 }
 
 /// Turns off the Vulkan layer of Mesa that asks Wayland which device to prefer: where there is no runtime folder it can ask
@@ -81,7 +96,7 @@ fn quieten_mesa(command: &mut Command, has_runtime_folder: bool) {
     }
 }
 
-/// Counts of tests, the names of those that failed, and what the others skipped or ran.
+/// Counts of tests, the names of those that failed, and what the others skipped or ran. One reads the output of one program.
 #[derive(Debug, Default)]
 struct Summary {
     passed: u32,
@@ -94,6 +109,16 @@ struct Summary {
 }
 
 impl Summary {
+    /// Adds what the output of another program said.
+    fn add(&mut self, other: Summary) {
+        self.passed += other.passed;
+        self.ignored += other.ignored;
+        self.failed.extend(other.failed);
+        for (line, tests) in other.said {
+            *self.said.entry(line).or_default() += tests;
+        }
+    }
+
     /// Reads one line of libtest's output; returns whether it is printed: what tests that passed print is not.
     fn read(&mut self, line: &str) -> bool {
         if line == "successes:" {
