@@ -16,6 +16,9 @@ const COMPATIBILITY: &str = "manylinux2014";
 /// The most bytes of a wheel.
 const MOST: u64 = 30_000_000;
 
+/// The most bytes of the program without its symbols.
+const MOST_OF_PROGRAM: u64 = 40_000_000;
+
 /// Builds the wheel of the Python package, and returns where it is.
 ///
 /// # Errors
@@ -37,10 +40,16 @@ pub fn wheel(root: &Path) -> Result<PathBuf> {
     build.args(["--compatibility", COMPATIBILITY, "--out"]).arg(&folder).env("PATH", path);
     run_command(build.env(COMMIT, commit(root)?))?;
     let wheel = newest(&folder, "whl")?;
-    let bytes = fs::metadata(&wheel)?.len();
-    ensure!(bytes <= MOST, "{} has {bytes} bytes; at most {MOST} are allowed", wheel.display());
-    println!("{} ({:.1} MB)", wheel.display(), bytes as f64 / 1e6);
+    check_size(&wheel, MOST)?;
     Ok(wheel)
+}
+
+/// Prints how large a file is. Errors where it has more than so many bytes.
+fn check_size(path: &Path, most: u64) -> Result<()> {
+    let bytes = fs::metadata(path)?.len();
+    ensure!(bytes <= most, "{} has {bytes} bytes; at most {most} are allowed", path.display());
+    println!("{} ({:.1} MB)", path.display(), bytes as f64 / 1e6);
+    Ok(())
 }
 
 /// The variable by which the program learns the commit that it is built from.
@@ -85,14 +94,15 @@ pub fn run(root: &Path) -> Result<()> {
     let inner = folder.join(&name);
     fs::create_dir_all(&inner)?;
 
-    let build = ["--locked", "--profile", "profiling", "--package", "lightloom"];
+    let build = ["--locked", "--profile", "dist", "--package", "lightloom"];
     run_command(cargo(root, "build").args(build).env(COMMIT, commit(root)?))?;
     let (program, symbols) = (inner.join("lightloom"), folder.join(format!("{name}.debug")));
-    fs::copy(root.join("target/profiling/lightloom"), &program)?;
+    fs::copy(root.join("target/dist/lightloom"), &program)?;
     run_command(Command::new("objcopy").arg("--only-keep-debug").args([&program, &symbols]))?;
     run_command(Command::new("strip").arg(&program))?;
     let link = format!("--add-gnu-debuglink={}", symbols.display());
     run_command(Command::new("objcopy").arg(link).arg(&program))?;
+    check_size(&program, MOST_OF_PROGRAM)?;
 
     for (shell, file) in [("bash", "lightloom"), ("zsh", "_lightloom"), ("fish", "lightloom.fish")] {
         let completions = inner.join("completions").join(shell);
