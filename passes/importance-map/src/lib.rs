@@ -13,9 +13,6 @@ pass::from_wgsl!(outputs, record);
 const VALUES: Struct = Struct::new("passes/importance-map/reflectance-values.wgsl", "ReflectanceValues");
 const GREATEST: Struct = Struct::new("passes/importance-map/reflectance-values.wgsl", "GreatestValues");
 
-/// Blocks per thread along each side of a square: SPAN of shaders/squares.wgsl.
-const SPAN: u32 = 2;
-
 /// Returns the measure, and where it is evaluated.
 fn choices(settings: &Settings) -> Result<(&str, &str), PassTypeError> {
     Ok((settings.text("measure")?, settings.text("evaluate")?))
@@ -106,7 +103,9 @@ fn reflectance(cx: &RecordContext<'_>) -> Result<Vec<Compute>, PassTypeError> {
         let threads = Threads::Grid([width, height, layers]);
         Compute::new(cx.file("reflectance.wgsl"), entry, threads).value("block_side", side)
     };
-    let blocks = [width, height].map(|length| length.div_ceil(side).div_ceil(SPAN));
+    // Blocks per thread along each side of a square.
+    let span = cx.use_context().constant("shaders/squares.wgsl", "SPAN")?;
+    let blocks = [width, height].map(|length| length.div_ceil(side).div_ceil(span));
     let mut steps = vec![step("compare_with_view", blocks), step("reflectance", [width, height])];
     let texels = width * height * layers;
     for of in ["reflected", "importance"] {
