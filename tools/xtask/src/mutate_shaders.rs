@@ -4,7 +4,6 @@ mod changes;
 
 pub use changes::{Change, changes};
 
-use crate::test::BUILT;
 use crate::test_programs::{TestProgram, test_programs};
 use crate::tree::{File, Tree, line_at};
 use anyhow::{Context, Result, ensure};
@@ -138,7 +137,7 @@ struct Tests(Vec<TestProgram>);
 /// Builds all tests, once, since they read shaders when they run, and as `cargo xtask test` does, which has mostly built them; returns
 /// those of these packages.
 fn build<'a>(tree: &Tree, packages: impl Iterator<Item = &'a String>) -> Result<BTreeMap<String, Tests>> {
-    let mut programs = test_programs(tree.root(), BUILT)?;
+    let mut programs = test_programs(tree.root())?;
     let mut of = |package: &String| {
         let folder = tree.root().join(tree.package(package)?.folder());
         Some((package.clone(), Tests(programs.extract_if(.., |program| program.folder == folder).collect())))

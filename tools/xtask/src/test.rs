@@ -38,7 +38,7 @@ pub fn run(root: &Path, consent: Consent, all: bool) -> Result<()> {
     check(&adapters, all)?;
     optional::ensure(consent);
 
-    let mut programs = test_programs(root, BUILT)?;
+    let mut programs = test_programs(root)?;
     programs.sort_by_key(|program| program.target != LONGEST);
     let on_cpu = gpu::on_cpu(&adapters) && std::env::var_os("RUST_TEST_THREADS").is_none();
     let named = |program: &TestProgram| {

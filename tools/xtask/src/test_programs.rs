@@ -1,6 +1,7 @@
 //! The programs of tests, two of which run at once: many tests take one core for much of their time.
 
 use crate::cargo::cargo;
+use crate::test::BUILT;
 use anyhow::{Context, Result, anyhow, ensure};
 use serde_json::Value;
 use std::collections::VecDeque;
@@ -42,10 +43,10 @@ impl TestProgram {
     }
 }
 
-/// Builds the programs of the tests of some packages and features, and returns them.
-pub fn test_programs(root: &Path, built: &[&str]) -> Result<Vec<TestProgram>> {
+/// Builds the programs of all tests, as `cargo xtask test` does, and returns them.
+pub fn test_programs(root: &Path) -> Result<Vec<TestProgram>> {
     let mut command = cargo(root, "test");
-    command.args(built).args(["--quiet", "--no-run", "--message-format", "json-render-diagnostics"]);
+    command.args(BUILT).args(["--quiet", "--no-run", "--message-format", "json-render-diagnostics"]);
     let done =
         command.stderr(Stdio::inherit()).output().with_context(|| format!("cannot run {command:?}"))?;
     ensure!(done.status.success(), "{command:?} failed: {}", done.status);
