@@ -1,7 +1,7 @@
 //! Variants of the shaders of a pass: options as settings, what decides the others, and stand-ins for the modules of
 //! interfaces.
 
-use super::{MainShader, begins, list};
+use super::{MainShader, begins, instead, list};
 use crate::{
     Define, InputPort, Interface, Library, PassTypeError, Request, Setting, Settings, Traits, UseContext,
     Value, lights, request, scene_bindings,
@@ -256,7 +256,7 @@ pub(super) fn settings_of_file(
     let (library, declared) = (cx.shaders, declared(cx, main)?);
     let (request, _) = stand_in(cx, main, &main.request, &declared)?;
     let shader = library.load(&request).map_err(|errors| main.refused(errors))?;
-    let mut options = settings_of_options(&shader.outline().options, &declared);
+    let mut options = settings_of_options(&shader.outline().options, &declared)?;
     options.extend(declared.lights.as_deref().map(lights::setting));
     let mut members = shader.settings().map_err(|errors| PassTypeError::new(errors.to_string()))?;
     // Settings that only other variants declare. Other errors in these are reported where they are used.
@@ -296,7 +296,7 @@ pub(super) fn settings_of_folder(
     for path in std::iter::once(main.path.clone()).chain(paths).chain(modules) {
         let of_file = request(&path, &[]);
         let outline = library.outline(&of_file).map_err(|errors| main.refused(errors))?;
-        for setting in settings_of_options(&outline.options, &declared) {
+        for setting in settings_of_options(&outline.options, &declared)? {
             if !options.iter().any(|known| known.name == setting.name) {
                 options.push(setting);
             }
@@ -331,11 +331,19 @@ pub(super) fn module_path(library: &Library, folder: &str, name: &str) -> String
     }
 }
 
-fn settings_of_options(options: &[ShaderOption], declared: &Outline) -> Vec<Setting> {
+/// The settings among the options, whose `auto` may ask only for traits that scenes have.
+fn settings_of_options(options: &[ShaderOption], declared: &Outline) -> Result<Vec<Setting>, PassTypeError> {
     let is_setting = |option: &&ShaderOption| {
         matches!(meaning(option, &option.name.to_lowercase(), declared), Meaning::Setting)
     };
-    options.iter().filter(is_setting).map(ShaderOption::setting).collect()
+    let setting = |option: &ShaderOption| match &option.auto {
+        Some((_, name)) if !scene_bindings::TRAITS.contains(&&**name) => {
+            let message = format!("{}: scenes have no trait `{name}`", option.place);
+            Err(PassTypeError::new(message).help(instead(name, "there are", scene_bindings::TRAITS)))
+        }
+        _ => Ok(option.setting()),
+    };
+    options.iter().filter(is_setting).map(setting).collect()
 }
 
 fn check_apart(members: &[Setting], options: &[Setting]) -> Result<(), PassTypeError> {

@@ -146,6 +146,22 @@ fn errors_in_directives_name_file_and_line() {
 }
 
 #[test]
+fn an_option_may_ask_only_for_traits_that_scenes_have() {
+    let asking = |name: &str| {
+        let option =
+            format!("#option RAYS bvh one_of [bvh, query] auto query where {name} // How.\n#option ROUNDS");
+        types(MAKE_WGSL, &SUM_WGSL.replacen("#option ROUNDS", &option, 1)).plan(PIPELINE)
+    };
+    asking("RAY_QUERIES").unwrap_or_else(|error| panic!("{error}"));
+    let error = asking("RAY_QUERYS").expect_err("no such trait");
+    for expected in
+        ["passes/sum/sum.wgsl:8:", "scenes have no trait `ray_querys`", "did you mean `ray_queries`?"]
+    {
+        assert!(error.contains(expected), "no `{expected}` in\n{error}");
+    }
+}
+
+#[test]
 fn inputs_that_are_declared_alike_have_as_many_elements() {
     let types = types(MAKE_WGSL, SUM_WGSL);
     let pipeline = PIPELINE
