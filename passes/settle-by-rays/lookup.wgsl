@@ -1,7 +1,7 @@
 // Visibility by an atlas of maps of the distance where they are sure, and by rays elsewhere.
 
-#option LIT edges one_of [believed, edges, all] // Which receivers a ray decides of that lie before all that their texel
-    // has. believed: none. edges: those with something nearer in a texel beside theirs. all: all of them.
+#option LIT edges one_of [believed, edges, all] // Which receivers a ray decides of that are lit as far as their texel tells. believed:
+    // none. edges: those with something nearer in a texel beside theirs. all: also those whose own surface is not in their texel.
 #option DEFERS false internal // whether readers ask `visibility_at_once` first; the pass sets it
 
 #import "atlas-lookup.wgsl"
@@ -15,7 +15,10 @@ struct VisibilityFacts {
 
 var<uniform> visibility_facts: VisibilityFacts;
 
-#if LIT == edges
+/// The share of the depth bias to which what a texel stores is the receiver's own surface. What is farther before it, a ray finds.
+const SAME_SURFACE: f32 = 0.05;
+
+#if LIT != believed
 const NEIGHBOURS = array(vec2(-1, 0), vec2(1, 0), vec2(0, -1), vec2(0, 1));
 
 /// Whether something nearer than the receiver's plane is in a texel beside this one.
@@ -47,20 +50,17 @@ fn verdict_of_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f
     if own - doubt > stored {
         return 0.0;
     }
-    if abs(own - stored) <= lookup.bias {
-        return 1.0;
+    if own - SAME_SURFACE * lookup.bias > stored {
+        return -doubt;
     }
-    if stored > own {
-#if LIT == believed
-        return 1.0;
-#elif LIT == edges
-        if !is_at_edge(lookup, index, texel) {
-            return 1.0;
-        }
+#if LIT == edges
+    let is_sure = !is_at_edge(lookup, index, texel);
+#elif LIT == all
+    let is_sure = stored - own <= SAME_SURFACE * lookup.bias && !is_at_edge(lookup, index, texel);
+#else
+    let is_sure = true;
 #endif
-        return -FAR;
-    }
-    return -doubt;
+    return select(-FAR, 1.0, is_sure);
 }
 
 fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32 {

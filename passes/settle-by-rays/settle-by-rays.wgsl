@@ -1,8 +1,7 @@
 // Settles lookups of shadow maps by rays where the map cannot tell.
 //
-// A map is sure that a receiver is lit whose own surface is in the texel, and that one is hidden that lies far behind what is there.
-// Of what lies little behind it, a ray along that stretch decides. What lies before it is lit, as far as the map tells: a ray all the
-// way decides where that is not believed.
+// A map is sure that a receiver is hidden that lies far behind what is in its texel. Of what lies little behind it, a ray along that
+// stretch decides. What lies before it, or is it, is lit as far as the map tells: a ray all the way decides where that is not believed.
 
 #input maps: Visibility with atlas // An atlas of depth maps.
 #output visibility: Visibility(
@@ -18,6 +17,6 @@
 
 struct Settings {
     /// How far behind what a texel stores a receiver must lie to be hidden without a ray, in widths of a texel at the receiver.
-    /// More: less that maps hide wrongly, but more rays. [default: 3.0, min: 0.0]
+    /// More: less that maps hide wrongly, but more rays. [default: 6.0, min: 0.0]
     doubt: f32,
 }

@@ -14,8 +14,8 @@ fn every_variant_of_the_shaders_is_valid() {
 
 /// The least and the greatest answer of a module at receivers of a light whose map stores `stored` times their distance, one in
 /// the black and the other in the white squares of a chessboard. The scene is a square in the plane y = 0, towards which the light looks
-/// from y = `light` [m]; receivers are on it, or as far behind it.
-fn answers(module: &str, light: f64, stored: [f64; 2], is_behind: bool) -> Option<(f32, f32)> {
+/// from y = `light` [m]; receivers are on it, or `behind` of the light's distance behind it.
+fn answers(module: &str, light: f64, stored: [f64; 2], behind: f64) -> Option<(f32, f32)> {
     let towards = -light.signum();
     let given = VirtualLight {
         position: [0.0, light as f32, 0.0],
@@ -23,7 +23,7 @@ fn answers(module: &str, light: f64, stored: [f64; 2], is_behind: bool) -> Optio
         flux: [1.0; 3],
         ..VirtualLight::default()
     };
-    let height = if is_behind { -light } else { 0.0 };
+    let height = -light * behind;
     let depth = (height - light).abs();
     let places = (0..64).map(direction).filter(|direction| direction.z > 0.8);
     let receivers: Vec<Receiver> = places
@@ -56,18 +56,20 @@ fn answers(module: &str, light: f64, stored: [f64; 2], is_behind: bool) -> Optio
 #[test]
 fn rays_decide_what_maps_cannot_tell() {
     // A texel is 0.125 m wide at 1 m.
-    for (what, stored, is_behind, by_map, settled) in [
-        ("the receiver's own surface", [1.0, 1.0], false, (1.0, 1.0), (1.0, 1.0)),
-        ("what is not there, less than three texels before it", [0.8, 0.8], false, (0.0, 0.0), (1.0, 1.0)),
-        ("what is not there, four texels before it", [0.5, 0.5], false, (0.0, 0.0), (0.0, 0.0)),
-        ("what is not there, and nothing beside it", [0.5, 1e38], false, (0.0, 1.0), (0.0, 1.0)),
-        ("what is in between, and nothing beside it", [0.5, 1e38], true, (0.0, 1.0), (0.0, 0.0)),
-        ("nothing, of what is in between", [1e38, 1e38], true, (1.0, 1.0), (1.0, 1.0)),
+    for (what, stored, behind, by_map, settled) in [
+        ("the receiver's own surface", [1.0, 1.0], 0.0, (1.0, 1.0), (1.0, 1.0)),
+        ("what is not there, less than three texels before it", [0.8, 0.8], 0.0, (0.0, 0.0), (1.0, 1.0)),
+        ("what is not there, four texels before it", [0.5, 0.5], 0.0, (0.0, 0.0), (0.0, 0.0)),
+        ("what is not there, and nothing beside it", [0.5, 1e38], 0.0, (0.0, 1.0), (0.0, 1.0)),
+        ("what is in between, and nothing beside it", [0.5, 1e38], 1.0, (0.0, 1.0), (0.0, 0.0)),
+        ("its own surface, and what is in between beside it", [0.5, 1.0], 1.0, (0.0, 1.0), (0.0, 0.0)),
+        ("what is less than the bias before it", [0.99, 0.99], 0.01, (1.0, 1.0), (0.0, 0.0)),
+        ("nothing, of what is in between", [1e38, 1e38], 1.0, (1.0, 1.0), (1.0, 1.0)),
     ] {
         for light in [1.0, -1.0] {
-            let Some(found) = answers(BY_MAP, light, stored, is_behind) else { return };
+            let Some(found) = answers(BY_MAP, light, stored, behind) else { return };
             assert_eq!(found, by_map, "the map stores {what}, light at {light}");
-            let found = answers(SETTLED, light, stored, is_behind).expect("the adapter is still there");
+            let found = answers(SETTLED, light, stored, behind).expect("the adapter is still there");
             assert_eq!(found, settled, "settled, the map stores {what}, light at {light}");
         }
     }
