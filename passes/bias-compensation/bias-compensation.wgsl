@@ -5,7 +5,8 @@
 // times the mean of (1 - s) times the radiance that is reflected where they end. There, A is that of the nearest light: areas are those of
 // a density, which changes little from one light to the next.
 //
-// The pixels of a window of the interleaving share one stratified set of rays, as they share one set of lights.
+// The pixels of a window of the interleaving share one stratified set of rays, as they share one set of lights. A pixel traces more of them
+// where the first rays of those around it differ.
 //
 // compensated: rgba32float [W/m²]; alpha is what bounds took away, less what the rays returned. As a difference of two estimates it can be
 // negative at a pixel.
@@ -40,8 +41,14 @@ struct Settings {
     irradiance_clamp: f32,
     /// The distance below which a light gives no more, in radii of a disc of its area.
     irradiance_area_bound: f32,
-    /// Rays of a pixel. More: less noise near edges and contacts, and more time. [default: 1, min: 0, max: 64]
+    /// Rays of a pixel, at the least. More: less noise near edges and contacts, and more time. [default: 1, min: 0, max: 64]
     rays_per_pixel: u32,
+    /// The most rays of a pixel, where those around it differ. No more than `rays_per_pixel`: all pixels trace as many. [default: 8,
+    /// min: 0, max: 64]
+    most_rays: u32,
+    /// The noise for which a pixel traces more rays, as a share of the irradiance around it. More: fewer rays, and more noise. [default:
+    /// 0.05, min: 0.0, max: 1000.0]
+    noise: f32,
     /// Length of rays where lights are bounded by their areas, as a fraction of the scene's dense extent. Longer: what sparse lights
     /// lack is returned from farther, and rays take more time. [default: 0.1, min: 0.0, max: 10.0]
     reach: f32,
@@ -57,20 +64,94 @@ var<storage, read> lights: VirtualLights;
 var irradiance: texture_2d<f32>;
 var compensated: texture_storage_2d<rgba32float, write>;
 
+/// What the first rays of each pixel of a workgroup return, in the mean, and the irradiance before: luminances [W/m²].
+var<workgroup> firsts: array<vec2<f32>, 64>;
+
+/// Where the rays of a pixel begin, and which they are.
+struct RaySet {
+    at: vec3<f32>,
+    origin: vec3<f32>,
+    normal: vec3<f32>,
+    plane: vec3<f32>,
+    /// The first of each `window` rays of a set, and what chooses the set.
+    place: u32,
+    window: u32,
+    seed: u32,
+    /// Chooses a run of lights, below 1.
+    start: f32,
+}
+
 @compute @workgroup_size(8, 8)
-fn compensate(@builtin(global_invocation_id) id: vec3<u32>, @builtin(workgroup_id) group: vec3<u32>) {
-    if any(id.xy >= settings.view_size) {
-        return;
+fn compensate(
+    @builtin(global_invocation_id) id: vec3<u32>,
+    @builtin(workgroup_id) group: vec3<u32>,
+    @builtin(local_invocation_index) index: u32,
+) {
+    let is_inside = all(id.xy < settings.view_size);
+    var whole = vec4(0.0);
+    var depth = 0.0;
+    if is_inside {
+        whole = textureLoad(irradiance, id.xy, 0);
+        depth = textureLoad(view_depth, id.xy, 0).x;
     }
-    var whole = textureLoad(irradiance, id.xy, 0);
-    let depth = textureLoad(view_depth, id.xy, 0).x;
+    var rays = RaySet();
+    var sum = vec3(0.0);
     if depth > 0.0 {
-        let at = camera.position + pixel_ray(vec2<f32>(id.xy), settings.view_size) * depth;
-        let normal = normalize(textureLoad(view_normal, id.xy, 0).xyz);
-        let returned = near_field(id.xy, group.xy, at, normal, plane_normal(id.xy, normal));
+        rays = rays_of_pixel(id.xy, group.xy, depth);
+        sum = sum_of_rays(rays, 0u, settings.rays_per_pixel);
+        firsts[index] = vec2(luminance(sum) / f32(max(settings.rays_per_pixel, 1u)), luminance(whole.rgb));
+    }
+    workgroupBarrier();
+    if depth > 0.0 {
+        let count = wanted_rays(index, rays.window);
+        sum += sum_of_rays(rays, settings.rays_per_pixel, count);
+        let returned = sum / f32(max(count, 1u));
         whole += vec4(returned, -luminance(returned));
     }
-    textureStore(compensated, id.xy, whole);
+    if is_inside {
+        textureStore(compensated, id.xy, whole);
+    }
+}
+
+fn rays_of_pixel(pixel: vec2<u32>, group: vec2<u32>, depth: f32) -> RaySet {
+    let at = camera.position + pixel_ray(vec2<f32>(pixel), settings.view_size) * depth;
+    let normal = normalize(textureLoad(view_normal, pixel, 0).xyz);
+    let plane = plane_normal(pixel, normal);
+    let interleave = max(vec2(settings.irradiance_interleave_x, settings.irradiance_interleave_y), vec2(1u));
+    let window = pixel / interleave;
+    let within = pixel % interleave;
+    return RaySet(
+        at,
+        offset_origin(at, plane),
+        normal,
+        plane,
+        within.y * interleave.x + within.x,
+        interleave.x * interleave.y,
+        hash2(settings.seed, hash2(window.x, window.y)),
+        unit_float(hash2(group.x, group.y)),
+    );
+}
+
+/// How many rays a pixel traces: as many as bring the mean over a window to `noise`, by how the first rays of the other pixels of the
+/// workgroup differ. Its own do not count: pixels whose first rays return little would keep to these, and the mean would be wrong.
+fn wanted_rays(index: u32, window: u32) -> u32 {
+    let least = settings.rays_per_pixel;
+    var returned = 0.0;
+    var before = 0.0;
+    for (var i = 0u; i < 64u; i++) {
+        returned += select(firsts[i].x / 63.0, 0.0, i == index);
+        before += select(firsts[i].y / 63.0, 0.0, i == index);
+    }
+    if returned <= 0.0 {
+        return least;
+    }
+    var variance = 0.0;
+    for (var i = 0u; i < 64u; i++) {
+        let away = (firsts[i].x - returned) / (returned + before);
+        variance += select(away * away / 63.0, 0.0, i == index);
+    }
+    let wanted = variance * f32(least) / max(f32(window) * settings.noise * settings.noise, 1e-37);
+    return clamp(u32(min(wanted, f32(settings.most_rays))), least, max(settings.most_rays, least));
 }
 
 #if LIGHTS
@@ -85,7 +166,7 @@ const MOST_COMPARED: u32 = 32768u;
 /// threads then read one light at a time.
 fn area_at(at: vec3<f32>, normal: vec3<f32>, start: f32) -> f32 {
     let count = min(lights.count, arrayLength(&lights.lights));
-    let run = min(count, min(MOST_LIGHTS, MOST_COMPARED / settings.rays_per_pixel));
+    let run = min(count, min(MOST_LIGHTS, MOST_COMPARED / max(settings.most_rays, settings.rays_per_pixel)));
     let first = u32(start * f32(count - run));
     var least = 1e37;
     var nearest = count;
@@ -106,14 +187,8 @@ fn area_at(at: vec3<f32>, normal: vec3<f32>, start: f32) -> f32 {
 }
 #endif
 
-/// The irradiance that bounded lights lack [W/m²], at a point [m] with a unit normal, in a plane with another.
-fn near_field(
-    pixel: vec2<u32>,
-    group: vec2<u32>,
-    at: vec3<f32>,
-    normal: vec3<f32>,
-    plane: vec3<f32>,
-) -> vec3<f32> {
+/// The sum over rays, from `first` until before `end`, whose mean is the irradiance that bounded lights lack [W/m²].
+fn sum_of_rays(rays: RaySet, first: u32, end: u32) -> vec3<f32> {
     let bound = settings.irradiance_clamp * scene_info.dense_extent;
     var reach = bound;
 #if LIGHTS
@@ -124,21 +199,14 @@ fn near_field(
     if reach <= 0.0 {
         return vec3(0.0);
     }
-    let interleave = max(vec2(settings.irradiance_interleave_x, settings.irradiance_interleave_y), vec2(1u));
-    let window = pixel / interleave;
-    let within = pixel % interleave;
-    let place = within.y * interleave.x + within.x;
-    let window_seed = hash2(settings.seed, hash2(window.x, window.y));
-    let tangents = frame_from_normal(normal);
-    let origin = offset_origin(at, plane);
+    let tangents = frame_from_normal(rays.normal);
     var sum = vec3(0.0);
-    for (var ray = 0u; ray < settings.rays_per_pixel; ray++) {
-        let square = sobol2_of(place * settings.rays_per_pixel + ray, window_seed);
-        let direction = tangents * by_cosine(square);
-        if dot(direction, plane) <= 0.0 {
+    for (var ray = first; ray < end; ray++) {
+        let direction = tangents * by_cosine(sobol2_of(ray * rays.window + rays.place, rays.seed));
+        if dot(direction, rays.plane) <= 0.0 {
             continue;
         }
-        let hit = trace(origin, direction, 0.0, reach);
+        let hit = trace(rays.origin, direction, 0.0, reach);
         if hit.triangle == NO_HIT {
             continue;
         }
@@ -147,17 +215,17 @@ fn near_field(
         if !any(reflected > vec3(0.0)) {
             continue;
         }
-        let offset = vertex.position - at;
+        let offset = vertex.position - rays.at;
         let distance2 = dot(offset, offset);
         var share = min(distance2 / max(bound * bound, 1e-37), 1.0);
 #if LIGHTS
         let radii = settings.irradiance_area_bound;
         if radii > 0.0 {
-            let area = area_at(vertex.position, vertex.normal, unit_float(hash2(group.x, group.y)));
+            let area = area_at(vertex.position, vertex.normal, rays.start);
             share *= min(PI * distance2 / max(radii * radii * area, 1e-37), 1.0);
         }
 #endif
         sum += reflected * (1.0 - share);
     }
-    return PI * sum / f32(max(settings.rays_per_pixel, 1u));
+    return PI * sum;
 }

@@ -39,8 +39,26 @@ fn over_plane(height: f32, before: [f32; 4]) -> Harness<'static> {
 
 /// The compensated irradiance of these receivers, where lights have the one bound `bound` \[m\].
 fn compensated(height: f32, bound: f32, rays: u32, before: [f32; 4]) -> Option<Vec<[f32; 4]>> {
-    let harness = over_plane(height, before).fact("clamp", bound / EXTENT).set("rays_per_pixel", rays);
-    Some(harness.run()?.read("compensated"))
+    compensated_by(height, bound, [rays, rays], 0.0, before)
+}
+
+/// The same with that many rays at the least and at the most, and noise that is left.
+fn compensated_by(
+    height: f32,
+    bound: f32,
+    [least, most]: [u32; 2],
+    noise: f32,
+    before: [f32; 4],
+) -> Option<Vec<[f32; 4]>> {
+    let harness = over_plane(height, before).fact("clamp", bound / EXTENT);
+    Some(
+        harness
+            .set("rays_per_pixel", least)
+            .set("most_rays", most)
+            .set("noise", noise)
+            .run()?
+            .read("compensated"),
+    )
 }
 
 /// The compensated irradiance where each of these lights is bounded at `radii` radii of its area.
@@ -148,16 +166,41 @@ fn what_rays_return_is_not_missing_any_more() {
     assert!(mean(&pixels) > 0.0);
 }
 
+fn variance(values: &[f64]) -> f64 {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64
+}
+
+fn singles(pixels: &[[f32; 4]]) -> Vec<f64> {
+    pixels.iter().map(|pixel| f64::from(pixel[0])).collect()
+}
+
+/// Where rays differ, pixels trace more of them, which leaves less noise and the same mean, also where few rays return anything.
+#[test]
+fn pixels_trace_more_rays_where_they_differ() {
+    for height in [0.05, 0.2, 0.37] {
+        let wanted = missing(f64::from(height), 0.4);
+        let of = |most, before| compensated_by(height, 0.4, [1, most], 0.01, [before, before, before, 0.0]);
+        let Some(few) = of(1, 0.0) else { return };
+        let many = of(16, 0.0).expect("the adapter is still there");
+        let ratio = variance(&singles(&many)) / variance(&singles(&few));
+        assert!(ratio < 0.1, "at {height}: {ratio} of the variance");
+        let off = mean(&many) - wanted;
+        let error = (variance(&singles(&many)) / many.len() as f64).sqrt();
+        assert!(off.abs() < 3.0 * error + 2e-3 * wanted, "at {height}: off by {off}, {error} by noise");
+        // Beside much light the same noise is little.
+        let bright = of(16, 1e3 * wanted as f32).expect("the adapter is still there");
+        let dark = of(1, 1e3 * wanted as f32).expect("the adapter is still there");
+        assert_eq!(bright, dark, "at {height}");
+    }
+}
+
 /// The eight pixels of a window of the interleaving share one set of stratified rays, so that their mean, which a filter
 /// takes, varies less than that of eight rays of their own.
 #[test]
 fn a_window_shares_its_rays() {
     let Some(pixels) = compensated(0.05, 0.4, 1, [0.0; 4]) else { return };
-    let variance = |values: &[f64]| {
-        let mean = values.iter().sum::<f64>() / values.len() as f64;
-        values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64
-    };
-    let single: Vec<f64> = pixels.iter().map(|pixel| f64::from(pixel[0])).collect();
+    let single = singles(&pixels);
     let window = |x: u32, y: u32| {
         let pixel = |i: u32| single[((2 * y + i / 4) * SIDE + 4 * x + i % 4) as usize];
         (0..8).map(pixel).sum::<f64>() / 8.0
