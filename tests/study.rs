@@ -240,7 +240,8 @@ fn run_in_miniature(wanted: fn(&str) -> bool) {
     assert!(names.len() >= 3, "{names:?}");
     for name in names {
         let mut arguments = vec![&*name, "-o", &name, "--quick", "--size", "16x12", "--frames", "3"];
-        arguments.extend(["--scene", "cornell-box", "--json"]);
+        // Many have the same reference.
+        arguments.extend(["--scene", "cornell-box", "--references", "references", "--json"]);
         for set in ["rsm.size=32", "map=32", "lights=16"] {
             arguments.extend(["--set", set]);
         }
