@@ -14,6 +14,18 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
 }
 
+/// What is resumed comes to the same: numbers of files are read to the last bit.
+#[test]
+fn numbers_are_read_as_they_were_written() {
+    let mut bits = 0x9e37_79b9_7f4a_7c15_u64;
+    for _ in 0..10_000 {
+        bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let number = (bits >> 11) as f64 * (1.0 / (1_u64 << 53) as f64);
+        let text = serde_json::to_string(&number).unwrap();
+        assert_eq!(serde_json::from_str::<f64>(&text).unwrap(), number, "{text}");
+    }
+}
+
 /// Few lights err too much, and many take too long: the winner lies between, and is a pipeline.
 #[test]
 fn the_winner_is_a_pipeline_with_its_evidence() {
