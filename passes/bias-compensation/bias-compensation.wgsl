@@ -64,24 +64,32 @@ var<storage, read> lights: VirtualLights;
 var irradiance: texture_2d<f32>;
 var compensated: texture_storage_2d<rgba32float, write>;
 
+/// Side of a workgroup [px].
+const SIDE: u32 = 8u;
+
+/// Pixels of a workgroup beside one.
+const OTHERS: u32 = SIDE * SIDE - 1u;
+
 /// What the first rays of each pixel of a workgroup return, in the mean, and the irradiance before: luminances [W/m²].
-var<workgroup> firsts: array<vec2<f32>, 64>;
+var<workgroup> firsts: array<vec2<f32>, OTHERS + 1u>;
 
 /// Where the rays of a pixel begin, and which they are.
 struct RaySet {
+    /// The surface, and where rays begin off it [m].
     at: vec3<f32>,
     origin: vec3<f32>,
+    /// Unit normals: of shading, and of the surface's plane.
     normal: vec3<f32>,
     plane: vec3<f32>,
-    /// The first of each `window` rays of a set, and what chooses the set.
+    /// The place of the pixel in its window of the interleaving, the pixels of that, and the seed of their set of rays.
     place: u32,
     window: u32,
     seed: u32,
-    /// Chooses a run of lights, below 1.
+    /// Where the run of lights begins in which the nearest is sought, below 1.
     start: f32,
 }
 
-@compute @workgroup_size(8, 8)
+@compute @workgroup_size(SIDE, SIDE)
 fn compensate(
     @builtin(global_invocation_id) id: vec3<u32>,
     @builtin(workgroup_id) group: vec3<u32>,
@@ -138,17 +146,17 @@ fn wanted_rays(index: u32, window: u32) -> u32 {
     let least = settings.rays_per_pixel;
     var returned = 0.0;
     var before = 0.0;
-    for (var i = 0u; i < 64u; i++) {
-        returned += select(firsts[i].x / 63.0, 0.0, i == index);
-        before += select(firsts[i].y / 63.0, 0.0, i == index);
+    for (var i = 0u; i <= OTHERS; i++) {
+        returned += select(firsts[i].x / f32(OTHERS), 0.0, i == index);
+        before += select(firsts[i].y / f32(OTHERS), 0.0, i == index);
     }
     if returned <= 0.0 {
         return least;
     }
     var variance = 0.0;
-    for (var i = 0u; i < 64u; i++) {
+    for (var i = 0u; i <= OTHERS; i++) {
         let away = (firsts[i].x - returned) / (returned + before);
-        variance += select(away * away / 63.0, 0.0, i == index);
+        variance += select(away * away / f32(OTHERS), 0.0, i == index);
     }
     let wanted = variance * f32(least) / max(f32(window) * settings.noise * settings.noise, 1e-37);
     return clamp(u32(min(wanted, f32(settings.most_rays))), least, max(settings.most_rays, least));

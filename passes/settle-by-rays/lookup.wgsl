@@ -53,12 +53,12 @@ fn verdict_of_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f
     if own - SAME_SURFACE * lookup.bias > stored {
         return -doubt;
     }
-#if LIT == edges
-    let is_sure = !is_at_edge(lookup, index, texel);
-#elif LIT == all
-    let is_sure = stored - own <= SAME_SURFACE * lookup.bias && !is_at_edge(lookup, index, texel);
-#else
-    let is_sure = true;
+    var is_sure = true;
+#if LIT != believed
+    is_sure = !is_at_edge(lookup, index, texel);
+#endif
+#if LIT == all
+    is_sure &= stored - own <= SAME_SURFACE * lookup.bias;
 #endif
     return select(-FAR, 1.0, is_sure);
 }
