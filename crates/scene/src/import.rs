@@ -56,8 +56,8 @@ pub(crate) fn import(path: &Path, roots: &[PathBuf], budget: &Budget) -> Result<
     })?;
     budget.file(path, bytes.len());
     let (json, blob) = split(path, &bytes)?;
-    let root: Root = json::deserialize::from_slice(&json)
-        .map_err(|e| wrong(path, "JSON", format!("{e}; expected a glTF 2.0 document")))?;
+    let root =
+        document(&json).map_err(|e| wrong(path, "JSON", format!("{e}; expected a glTF 2.0 document")))?;
     let mut importer = Importer {
         path,
         roots,
@@ -78,6 +78,15 @@ pub(crate) fn import(path: &Path, roots: &[PathBuf], budget: &Budget) -> Result<
     importer.nodes(&mut model)?;
     model.repairs = importer.repairs;
     Ok(Imported { model: Rc::new(model), files: importer.files })
+}
+
+/// Reads the JSON of a glTF file.
+///
+/// Numbers beyond those of an `f32`, which serde_json refuses, become infinite: some programs write the largest `f64`
+/// for what has no bound. The second reading has no places for its errors.
+fn document(json: &[u8]) -> Result<Root, serde_json::Error> {
+    let root = json::deserialize::from_slice(json);
+    root.or_else(|error| serde_json::from_slice(json).and_then(serde_json::from_value).map_err(|_| error))
 }
 
 /// The JSON, and the binary chunk of a `.glb`.
