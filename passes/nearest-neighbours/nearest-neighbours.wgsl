@@ -56,6 +56,12 @@ var<storage, read> nodes: array<Neighbourhood>;
 var<storage, read> arranged: array<vec4<u32>>;
 /// The points along the curve too: neighbouring threads search in the same nodes.
 var<storage, read> turns: array<u32>;
+#if !SELF
+/// Where the points of the tree are along the curve, in rising order.
+var<storage, read> keys: array<u32>;
+/// The same of the points, in the order of their turns, without the bits that are left out.
+var<storage, read> keys_of_points: array<u32>;
+#endif
 #endif
 
 const GROUP: u32 = 256u;
@@ -153,13 +159,22 @@ fn is_neighbour(query: Query, index: u32) -> bool {
 /// Takes a point into account that is not empty.
 fn consider(query: Query, position: vec3<f32>, index: u32) {
     let squared = squared_distance(query, position);
+    let is_near = squared < reach() && squared >= SAME_PLACE;
 #if OWNERS
-    if squared <= owner_squared && is_neighbour(query, index) {
+    let may_own = squared <= owner_squared;
+#else
+    let may_own = false;
+#endif
+    if !(is_near || may_own) || !is_neighbour(query, index) {
+        return;
+    }
+#if OWNERS
+    if may_own {
         owner = select(index, min(index, owner), squared == owner_squared);
         owner_squared = squared;
     }
 #endif
-    if squared < reach() && squared >= SAME_PLACE && is_neighbour(query, index) {
+    if is_near {
         insert(squared);
     }
 }
@@ -217,7 +232,9 @@ fn may_hold(query: Query, node: Neighbourhood, squared: f32) -> bool {
     }
 #if SIDES
     // The greatest cosine of any normal in the box.
-    let cosines = max(query.normal * node.normal_low, query.normal * node.normal_high);
+    let low = query.normal * normal_at(low_normal(node.normals));
+    let high = query.normal * normal_at(high_normal(node.normals));
+    let cosines = max(low, high);
     if cosines.x + cosines.y + cosines.z < 0.5 * SAME_SIDE {
         return false;
     }
@@ -249,35 +266,54 @@ fn search_leaf(query: Query, leaf: u32) {
     }
 }
 
-/// Searches down the tree: of two children the nearer first, and the other where it may still hold a neighbour. Of equals the
-/// first comes first, so of points in one place that with the least index.
-fn search_tree(query: Query) {
-    var node = 1u;
+/// The leaf where a point is along the curve, or would be.
+fn leaf_of(turn: u32) -> u32 {
+#if SELF
+    return min(turn, max(summary.count, 1u) - 1u) / LEAF;
+#else
+    let key = keys_of_points[turn];
+    // The last that begins at the key or before it.
+    var leaf = 0u;
+    for (var step = settings.leaves / 2u; step > 0u; step /= 2u) {
+        let first = (leaf + step) * LEAF;
+        if first < summary.count && keys[first] >> LEFT_OUT <= key {
+            leaf += step;
+        }
+    }
+    return leaf;
+#endif
+}
+
+/// Searches the leaf where the point is along the curve, and from there the rest of the tree: most of it is farther than what that leaf
+/// holds. Of two children the nearer comes first, and the other where it may still hold a neighbour. Of equals the first comes
+/// first, so of points in one place that with the least index.
+fn search_tree(query: Query, leaf: u32) {
+    var node = settings.leaves + leaf;
     // A bit for each level above the node, the lowest for the last: whether the sibling of the node on the way there is still to
     // be searched.
-    var rest = 0u;
+    var rest = settings.leaves - 1u;
     var is_down = distance_to(query, node) >= 0.0;
-    loop {
-        if is_down && node < settings.leaves {
+    while is_down || rest != 0u {
+        // All threads go down before any compares points, and up before any goes down again: what the threads of a warp do is the
+        // same for longer.
+        while is_down && node < settings.leaves {
             let left = distance_to(query, 2u * node);
             let right = distance_to(query, 2u * node + 1u);
             let is_right = left < 0.0 || (right >= 0.0 && right < left);
             is_down = max(left, right) >= 0.0;
-            if is_down {
-                node = 2u * node + select(0u, 1u, is_right);
-                rest = 2u * rest + select(0u, 1u, min(left, right) >= 0.0);
-                continue;
-            }
-        } else if is_down {
+            node = 2u * node + select(0u, 1u, is_right);
+            rest = 2u * rest + select(0u, 1u, min(left, right) >= 0.0);
+        }
+        if is_down {
             search_leaf(query, node - settings.leaves);
         }
-        if rest == 0u {
-            break;
+        is_down = false;
+        while !is_down && rest != 0u {
+            let levels = countTrailingZeros(rest);
+            node = (node >> levels) ^ 1u;
+            rest = (rest >> levels) ^ 1u;
+            is_down = distance_to(query, node) >= 0.0;
         }
-        let levels = countTrailingZeros(rest);
-        node = (node >> levels) ^ 1u;
-        rest = (rest >> levels) ^ 1u;
-        is_down = distance_to(query, node) >= 0.0;
     }
 }
 
@@ -291,7 +327,7 @@ fn search(row: Row) {
     let query = query_of(index);
     begin_search(query, index);
     if points.points[index].triangle != NO_TRIANGLE {
-        search_tree(query);
+        search_tree(query, leaf_of(turn));
     }
     end_search(query);
 }

@@ -7,6 +7,8 @@
 struct Settings {
     /// Points that are placed, or nodes of the level that is built, a power of two: the first of them is the node of this number.
     count: u32,
+    /// Low bits of keys that are left out.
+    left_out: u32,
 }
 
 var<uniform> settings: Settings;
@@ -32,11 +34,11 @@ fn place(row: Row) {
     }
     let point = among.points[index];
     let there = index < among.header.count && point.triangle != NO_TRIANGLE;
-    keys[index] = select(0xffffffffu, hilbert_of(point.position * units_per_metre(), summary), there);
+    keys[index] = select(0xffffffffu, hilbert_of(point.position * units_per_metre(), summary), there) >> settings.left_out;
 }
 
 fn empty_node() -> Neighbourhood {
-    return Neighbourhood(vec3(1e18), NO_POINT, vec3(-1e18), vec3(1.0), vec3(-1.0));
+    return Neighbourhood(vec3(1e18), NO_POINT, vec3(-1e18), packed_normals(vec3(31u), vec3(0u)));
 }
 
 fn node_around(a: Neighbourhood, b: Neighbourhood) -> Neighbourhood {
@@ -44,8 +46,10 @@ fn node_around(a: Neighbourhood, b: Neighbourhood) -> Neighbourhood {
         min(a.low, b.low),
         min(a.first, b.first),
         max(a.high, b.high),
-        min(a.normal_low, b.normal_low),
-        max(a.normal_high, b.normal_high),
+        packed_normals(
+            min(low_normal(a.normals), low_normal(b.normals)),
+            max(high_normal(a.normals), high_normal(b.normals)),
+        ),
     );
 }
 
@@ -62,7 +66,9 @@ fn make_leaves(row: Row) {
         let point = among.points[index];
         let position = point.position * units_per_metre();
         arranged[place] = vec4(bitcast<vec3<u32>>(position), index);
-        node = node_around(node, Neighbourhood(position, index, position, point.normal, point.normal));
+        let steps = (point.normal + 1.0) * NORMAL_STEPS;
+        let normals = packed_normals(vec3<u32>(floor(steps)), vec3<u32>(ceil(steps)));
+        node = node_around(node, Neighbourhood(position, index, position, normals));
     }
     nodes[settings.count + leaf] = node;
 }

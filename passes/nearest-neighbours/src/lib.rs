@@ -15,8 +15,10 @@ struct NearestNeighbours;
 /// The points among which neighbours are searched, all together.
 const SUMMARY: Struct = Struct::new("shaders/algorithms/summary.wgsl", "Summary");
 
+const NEIGHBOURHOOD: &str = "passes/nearest-neighbours/neighbourhood.wgsl";
+
 /// A node of the tree over them.
-const NODE: Struct = Struct::new("passes/nearest-neighbours/neighbourhood.wgsl", "Neighbourhood");
+const NODE: Struct = Struct::new(NEIGHBOURHOOD, "Neighbourhood");
 
 /// Scratch of the reduction that makes the summary.
 const SUMMARIES: &str = "summaries";
@@ -53,30 +55,32 @@ impl Search {
 
     /// Returns the number of leaves that hold all neighbours.
     fn leaves(&self, cx: &UseContext<'_>) -> Result<u32, PassTypeError> {
-        let points = cx.constant("passes/nearest-neighbours/neighbourhood.wgsl", "LEAF")?;
-        Ok(self.among.div_ceil(points).next_power_of_two())
+        Ok(self.among.div_ceil(cx.constant(NEIGHBOURHOOD, "LEAF")?).next_power_of_two())
     }
 
     /// Returns the sort of the neighbours along the curve, and that of the points, where they are others; each with its port.
-    fn sorts(&self, own: bool) -> Vec<(&'static str, RadixSort<'static>)> {
-        let along = |length, keys, order, scratch| RadixSort {
+    fn sorts(
+        &self,
+        cx: &UseContext<'_>,
+        own: bool,
+    ) -> Result<Vec<(&'static str, RadixSort<'static>)>, PassTypeError> {
+        let along = |length, left_out, keys, order, scratch| RadixSort {
             length,
             count: None,
-            bits: 32,
+            bits: 32 - left_out,
             keys,
             values: None,
             sorted_keys: keys,
             sorted_values: order,
             scratch,
         };
-        let neighbours = along(self.among, "keys", "order", "sort");
+        let neighbours = along(self.among, 0, "keys", "order", "sort");
         if own {
-            return vec![("points", neighbours)];
+            return Ok(vec![("points", neighbours)]);
         }
-        vec![
-            ("among", neighbours),
-            ("points", along(self.points, "keys_of_points", "turns", "sort_of_points")),
-        ]
+        let left_out = cx.constant(NEIGHBOURHOOD, "LEFT_OUT")?;
+        let points = along(self.points, left_out, "keys_of_points", "turns", "sort_of_points");
+        Ok(vec![("among", neighbours), ("points", points)])
     }
 }
 
@@ -106,7 +110,7 @@ impl Pass for NearestNeighbours {
             scratch("distances", 16 * points_between * u64::from(search.vectors)),
         ]);
         if search.is_tree {
-            for (_, sort) in search.sorts(cx.input("among").is_none()) {
+            for (_, sort) in search.sorts(use_cx, cx.input("among").is_none())? {
                 let words = 4 * u64::from(sort.length.max(1));
                 outputs.extend(sort.scratch(use_cx)?);
                 outputs.extend([scratch(sort.keys, words), scratch(sort.sorted_values, words)]);
@@ -130,18 +134,21 @@ impl Pass for NearestNeighbours {
         let leaves = search.leaves(&use_cx)?;
         if search.is_tree {
             let tree = cx.file("tree.wgsl");
-            // A step for points, or for the leaves, or for the nodes of a level.
-            let step = |entry, count: u32| {
-                Compute::new(tree.clone(), entry, Threads::Row(count.max(1))).value("count", count)
+            // A step for points, whose keys may lack low bits, or for the leaves, or for the nodes of a level.
+            let step = |entry, count: u32, left_out: u32| {
+                Compute::new(tree.clone(), entry, Threads::Row(count.max(1)))
+                    .value("count", count)
+                    .value("left_out", left_out)
             };
-            for (port, sort) in search.sorts(own) {
-                steps.push(step("place", sort.length).bind("keys", sort.keys).bind("among", port));
+            for (port, sort) in search.sorts(&use_cx, own)? {
+                let place = step("place", sort.length, 32 - sort.bits);
+                steps.push(place.bind("keys", sort.keys).bind("among", port));
                 steps.extend(sort.steps(&use_cx)?);
             }
-            steps.push(step("make_leaves", leaves));
+            steps.push(step("make_leaves", leaves, 0));
             let levels = std::iter::successors(Some(leaves / 2), |level| Some(level / 2));
             let levels = levels.take_while(|level| *level > 0);
-            steps.extend(levels.map(|level| step("make_level", level)));
+            steps.extend(levels.map(|level| step("make_level", level, 0)));
         }
         let shader = cx.file("nearest-neighbours.wgsl");
         let shader =
