@@ -36,6 +36,9 @@ struct Settings {
     /// Iterations before the first frame. More: lights are better distributed when it comes, after a longer wait. [default:
     /// 100, min: 0, max: 1000]
     warm_up: u32,
+    /// How many times `moved` lights are replaced at most in each of these iterations, and how many times as great a share of the lights a
+    /// candidate may not outshine. More: fewer iterations distribute lights as well. [default: 1, min: 1, max: 1000]
+    haste: u32,
 }
 
 /// The size of a replacement.
@@ -172,17 +175,20 @@ fn counted(thread: u32, order: u32, bound: u32) -> vec2<u32> {
 @compute @workgroup_size(GROUP_SIZE)
 fn decide(@builtin(local_invocation_index) thread: u32) {
     let lights = counted(thread, BY_USE, VALID);
-    let candidates = counted(thread, STRONGEST_CANDIDATE, 0u).x;
+    let there = counted(thread, STRONGEST_CANDIDATE, 0u).x;
     let empty = settings.candidates_count - lights.x;
 
+    let haste = select(1u, settings.haste, candidates.header.iteration < settings.warm_up);
+    let moved = settings.moved * haste;
     // Eq. 9: candidates stronger than most lights.
-    let most = u32(ceil(settings.quantile * f32(lights.x)));
+    let quantile = max(settings.quantile - f32(haste - 1u) * (1.0 - settings.quantile), 0.0);
+    let most = u32(ceil(quantile * f32(lights.x)));
     let threshold = ranked(thread, BY_INTENSITY, max(most, 1u) - 1u).key;
     let strong = counted(thread, STRONGEST_CANDIDATE, ~VALID - threshold).y;
     // DEVIATION(stay): a light gives way to a candidate, and stays where there is none for its place.
-    let wanted = min(max(lights.y, min(strong, settings.moved)), settings.moved);
-    let removed = select(0u, min(wanted, candidates - min(candidates, empty)), lights.x > 0u);
-    let taken = min(candidates, empty + removed);
+    let wanted = min(max(lights.y, min(strong, moved)), moved);
+    let removed = select(0u, min(wanted, there - min(there, empty)), lights.x > 0u);
+    let taken = min(there, empty + removed);
 
     let last_removed = ranked(thread, BY_USE, max(removed, 1u) - 1u);
     let last_chosen = ranked(thread, STRONGEST_CANDIDATE, max(taken, 1u) - 1u);

@@ -30,11 +30,11 @@ const SEEDS: [u32; 4] = [1000, 200_000, 400_000, 600_000];
 
 impl Case {
     fn run(&self) -> Option<Outputs> {
-        self.run_with(|_| {})
+        self.run_with(|_| {}, &[])
     }
 
-    /// Runs the pass with mailboxes whose bytes are changed.
-    fn run_with(&self, change: impl FnOnce(&mut [u8])) -> Option<Outputs> {
+    /// Runs the pass with mailboxes whose bytes are changed, and with more settings.
+    fn run_with(&self, change: impl FnOnce(&mut [u8]), settings: &[(&str, u32)]) -> Option<Outputs> {
         let count = self.candidates.len();
         let points = |base: u32, is_there: &dyn Fn(usize) -> bool, mark: &dyn Fn(usize) -> bool| {
             let one =
@@ -63,7 +63,9 @@ impl Case {
         let never = |_: usize| false;
         let mut mailboxes = surface_points::to_bytes(41, &points(SEEDS[1], &light, &never));
         change(&mut mailboxes);
-        Harness::new(PASS)
+        settings
+            .iter()
+            .fold(Harness::new(PASS), |harness, (name, value)| harness.set(name, *value))
             .set("moved", self.moved)
             .surface_points("lights", 41, &points(SEEDS[0], &light, &marked))
             .input("mailboxes", "SurfacePoints", facts, elements(&mailboxes))
@@ -78,10 +80,15 @@ impl Case {
     /// Asserts that slots hold what sorting says. Returns how many lights were replaced that were there; `None` without an
     /// adapter.
     fn check(&self) -> Option<usize> {
-        let outputs = self.run()?;
+        self.check_with(&[], self.moved, 0.95)
+    }
+
+    /// Asserts the same with more settings, where at most so many lights are replaced, by candidates that outshine such a share.
+    fn check_with(&self, settings: &[(&str, u32)], moved: u32, quantile: f64) -> Option<usize> {
+        let outputs = self.run_with(|_| {}, settings)?;
         let (header, replaced) = outputs.surface_points("replaced");
         let (_, witnesses) = outputs.surface_points("witnesses");
-        let wanted = newcomers(&self.lights, &self.candidates, self.moved as usize, 0.95);
+        let wanted = newcomers(&self.lights, &self.candidates, moved as usize, quantile);
         for (slot, newcomer) in wanted.iter().enumerate() {
             let expected = |here: usize, there: usize| match (newcomer, self.lights[slot]) {
                 (Some(index), _) => point(SEEDS[there] + *index as u32, 0),
@@ -94,7 +101,8 @@ impl Case {
         assert_eq!(header.iteration, 41);
         assert_eq!(header.marked as usize, wanted.iter().flatten().count());
         let progress: Vec<u32> = outputs.read("progress");
-        assert_eq!(progress, [42, 100, 0, 0]);
+        let warm_up = settings.iter().find(|(name, _)| *name == "warm_up").map_or(100, |(_, value)| *value);
+        assert_eq!(progress, [42.min(warm_up), warm_up, 0, u32::from(warm_up <= 42)]);
         Some(wanted.iter().zip(&self.lights).filter(|(new, old)| new.is_some() && old.is_some()).count())
     }
 }
@@ -126,6 +134,21 @@ fn replacement_is_that_of_sorting() {
         }
     }
     assert!(most > 500, "{most}");
+}
+
+/// More lights give way up to the last iteration before the first frame, and no later, and candidates need not outshine as many.
+#[test]
+fn lights_are_replaced_in_haste_before_the_first_frame() {
+    let case = random(613, 7, [0, 3, 10], 16);
+    let mut replaced = Vec::new();
+    // The iteration is number 42.
+    for (warm_up, moved, quantile) in [(42, 48, 0.85), (41, 16, 0.95)] {
+        let Some(count) = case.check_with(&[("haste", 3), ("warm_up", warm_up)], moved, quantile) else {
+            return;
+        };
+        replaced.push(count);
+    }
+    assert_eq!(replaced, [48, 16]);
 }
 
 /// One light in twenty may be outshone by a candidate; it is the weakest that goes.
@@ -179,7 +202,7 @@ fn intensities_that_are_no_numbers_count_as_none() {
 fn lights_without_mailboxes_end() {
     let mut case = random(64, 4, [0, 0, 100], 4);
     case.moved = 0;
-    let Some(outputs) = case.run_with(|mailboxes| mailboxes[..4].fill(0)) else { return };
+    let Some(outputs) = case.run_with(|mailboxes| mailboxes[..4].fill(0), &[]) else { return };
     for port in ["replaced", "witnesses"] {
         let (_, points) = outputs.surface_points(port);
         assert!(points.iter().all(|point| *point == SurfacePoint::NONE), "{port}");
