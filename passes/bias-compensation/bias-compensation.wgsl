@@ -19,6 +19,7 @@
     interleave_x: irradiance.interleave_x?,
     interleave_y: irradiance.interleave_y?,
 ) // The irradiance with what the bound took away.
+#lights
 
 #option LIGHTS false // whether there are lights
 
