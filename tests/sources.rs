@@ -36,7 +36,7 @@ fn lights_that_a_pass_does_not_take_are_dark_to_it() {
     let cases: [(&str, &[&str], _, _); 3] = [
         ("ism", &["rsm", "direct"], maps, "direct"),
         ("ism", &["rsm", "direct"], maps, "indirect"),
-        ("instant-radiosity", &["lights"], photons, "indirect"),
+        ("instant-radiosity", &["lights", "near"], photons, "indirect"),
     ];
     for (pipeline, passes, few, output) in cases {
         for names in [&NAMES[..1], &NAMES[1..2], &NAMES[1..]] {
