@@ -308,6 +308,7 @@ impl<'a> Work<'a> {
             in_place: false,
             reset: ResetCause::DEFAULT.to_vec(),
             rest: None,
+            catches_up: false,
         };
         plan.histories = vec![unset; histories];
         for (at, i) in order.iter().enumerate() {
@@ -368,6 +369,7 @@ impl<'a> Work<'a> {
             if let Some(policy) = &self.graph.passes[self.resources[r].pass].history {
                 history.reset.clone_from(&policy.reset);
                 history.rest = policy.rest;
+                history.catches_up = policy.catches_up;
             }
             HistoryId(id)
         };

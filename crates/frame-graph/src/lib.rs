@@ -35,7 +35,7 @@
 //! | VALUE | `true`, a number, text, `(x, y, z)`, or an expression: text that contains `$`, such as `"$parameter"` or `"$lights * 16"`. In plain text each `$` is written `$$`; text that begins with `$$` is never an expression |
 //! | OUT | `Out(interface: "…"?, format: "rgba16float"?, size: SIZE?, count: 64?, facts: { "name": VALUE }?)`, `None` as a value for no such fact; for pass types that take their ports from a shader |
 //! | SIZE | `"frame"`, `"frame / 4"`, `"like(input) * 3 / 2"` or `(width, height)`. Any number may be an expression (`"frame / $tile"`, `"like(input) * ($n + 1)"`, `("$map * 2", 64)`), as may `count` |
-//! | HISTORY | `(reset: [Resize, Cut, Scene, Reload, Setting, Moved, MovedUpstream]?, rest: 64?)`, or `reset: All` for all of them |
+//! | HISTORY | `(reset: [Resize, Cut, Scene, Reload, Setting, Moved, MovedUpstream]?, rest: 64?, catches_up: true?)`, or `reset: All` for all of them |
 //! | OFF | `Input("port")`, or a link such as `"pass.port"` or `"in.input"`: what replaces the outputs when the switch is off |
 //! | PATCH | `Replace("pass", PASS)`, `Insert(name: "x", pass: PASS, between: ("a.port", "b.port"))`, `Set("path", VALUE)`, `Remove("pass")` |
 //!
@@ -52,7 +52,9 @@
 //! `MovedUpstream` one that a pass reads from which its outputs follow.
 //! A loop is new in every frame, so its passes run in every frame. With `rest: n` they stop after n frames
 //! in which nothing changed but the history buffer itself: the last of these frames stands until something
-//! changes. Where several history buffers have a `rest`, the longest counts for all.
+//! changes. Where several history buffers have a `rest`, the longest counts for all. `catches_up: true` says that the
+//! content is the same after frames that left the pass out, as that of maps that are kept while their lights stay: frames
+//! that only lead to a picture (the output `progress`) do not need it.
 //!
 //! **Patches.** They are applied in order, after the entries of the file itself.
 //!

@@ -197,6 +197,8 @@ pub struct History {
     /// After how many frames in which nothing but history buffers changes the passes that follow from it stop, and the
     /// last of these frames stands; `None` where they go on for ever.
     pub rest: Option<u32>,
+    /// Whether it is the same after frames that left it out: frames that only settle do.
+    pub catches_up: bool,
 }
 
 /// An output of the pipeline.

@@ -8,8 +8,8 @@ impl Renderer {
     /// Runs frames of the same number, and so of the same time, until the output `progress` reports convergence; one
     /// frame if the pipeline has no such output. `report` is called after each frame, and may stop early.
     ///
-    /// Frames between the first and the last leave out passes on which neither `progress` nor a history buffer depends: see
-    /// [`FrameReport::partial`].
+    /// Frames between the first and the last leave out passes on which neither `progress` nor a history buffer depends, but for
+    /// those that catch up: see [`FrameReport::partial`].
     ///
     /// # Errors
     /// As [`Renderer::frame`] and [`Renderer::progress`].
@@ -63,6 +63,7 @@ impl Renderer {
 fn needed_to_go_on(plan: &Plan) -> Vec<bool> {
     let of_progress =
         plan.output("progress").into_iter().flat_map(|output| &output.members).map(|(_, id)| *id);
-    let of_histories = plan.histories.iter().map(|history| history.resource);
+    let of_histories = plan.histories.iter().filter(|history| !history.catches_up);
+    let of_histories = of_histories.map(|history| history.resource);
     plan.upstream(of_progress.chain(of_histories).map(|id| plan.producer(id)))
 }

@@ -205,6 +205,7 @@ impl Encoder {
         for history in &plan.histories {
             e.len(history.reset.len());
             history.reset.iter().for_each(|cause| e.u8(*cause as u8));
+            e.u8(u8::from(history.catches_up));
         }
         e.len(plan.outputs.len());
         for output in &plan.outputs {

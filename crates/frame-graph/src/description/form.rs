@@ -120,6 +120,8 @@ pub(crate) struct HistoryPolicy {
     pub(crate) reset: Vec<ResetCause>,
     /// After how many frames in which nothing else changes they rest.
     pub(crate) rest: Option<u32>,
+    /// Whether they are the same after frames that left them out.
+    pub(crate) catches_up: bool,
 }
 
 /// One entry of `set`.

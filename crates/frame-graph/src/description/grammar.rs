@@ -101,6 +101,7 @@ pub(super) struct Switch(pub(super) Text);
 pub(super) struct HistoryFile {
     pub(super) reset: Option<ResetFile>,
     pub(super) rest: Option<Spanned<Number>>,
+    pub(super) catches_up: Option<bool>,
 }
 
 #[derive(Deserialize)]

@@ -268,7 +268,8 @@ impl Checks<'_, '_> {
                 1
             })
         });
-        At { value: Arc::new(HistoryPolicy { reset, rest }), place }
+        let catches_up = file.catches_up.unwrap_or(false);
+        At { value: Arc::new(HistoryPolicy { reset, rest, catches_up }), place }
     }
 
     fn off(&mut self, Spanned { value: file, place }: Spanned<OffFile>) -> At<Off> {

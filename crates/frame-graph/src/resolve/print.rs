@@ -46,7 +46,8 @@ pub(super) fn link(link: &Link) -> String {
 pub(super) fn history(policy: &HistoryPolicy) -> String {
     let reset: Vec<String> = policy.reset.iter().map(|cause| cause.to_string()).collect();
     let rest = policy.rest.map_or_else(String::new, |frames| format!(", rest: {frames}"));
-    format!("(reset: [{}]{rest})", reset.join(", "))
+    let catches_up = if policy.catches_up { ", catches_up: true" } else { "" };
+    format!("(reset: [{}]{rest}{catches_up})", reset.join(", "))
 }
 
 pub(super) fn set(set: &SetValue) -> String {

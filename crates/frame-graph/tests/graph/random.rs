@@ -57,7 +57,7 @@ fn text(passes: &[Drawn], outputs: &[usize], blank: &str, rest: Rest) -> String 
             })
             .collect();
         let size = format!("(64, {})", 16 * pass.scale);
-        let rest = if rest == Rest::Some && i % 3 == 1 { ", rest: 2" } else { "" };
+        let rest = if rest == Rest::Some && i % 3 == 1 { ", rest: 2, catches_up: true" } else { "" };
         let history = format!("history: (reset: [Cut]{rest})");
         let _ = match (links.is_empty(), pass.source) {
             (true, 0) => write!(out, "\"p{i}\":{blank}Pass(kind: \"noise\", {history}),"),
