@@ -83,10 +83,13 @@ pub(crate) fn import(path: &Path, roots: &[PathBuf], budget: &Budget) -> Result<
 /// Reads the JSON of a glTF file.
 ///
 /// Numbers beyond those of an `f32`, which serde_json refuses, become infinite: some programs write the largest `f64`
-/// for what has no bound. The second reading has no places for its errors.
+/// for what has no bound. The second reading has no places for its errors, and takes memory for the whole file: what is cut off or is no
+/// glTF is not read again.
 fn document(json: &[u8]) -> Result<Root, serde_json::Error> {
-    let root = json::deserialize::from_slice(json);
-    root.or_else(|error| serde_json::from_slice(json).and_then(serde_json::from_value).map_err(|_| error))
+    json::deserialize::from_slice(json).or_else(|error: serde_json::Error| {
+        let again = error.is_syntax().then(|| serde_json::from_slice(json).and_then(serde_json::from_value));
+        again.and_then(Result::ok).ok_or(error)
+    })
 }
 
 /// The JSON, and the binary chunk of a `.glb`.
