@@ -19,11 +19,17 @@ fn probe(given: Given) -> vec4<f32> { return vec4(1.0 - sqrt(1.0 - given.x), 0.0
 fn probes_by_name_are_measured_and_reported() {
     let folder = Folder::new(&[]);
     let record = precision(&folder, &["spot-caps", "triangles", "--interpret"]).success().json();
-    assert_eq!(record["by"], "interpreter");
-    let names: Vec<_> = record["probes"].as_array().unwrap().iter().map(|probe| &probe["probe"]).collect();
-    assert_eq!(names, ["spot-caps", "triangles"]);
-    assert!(folder.read("out/report.html").contains("id=\"triangles\""));
-    assert!(folder.at("out/probes.json").exists());
+    assert_eq!(record["adapter"], "interpreter");
+    let cells = record["records"].as_array().unwrap();
+    for probe in ["spot-caps", "triangles"] {
+        let of = |subject: &str| {
+            cells.iter().filter(|cell| cell["scene"] == probe && cell["pipeline"] == subject).count()
+        };
+        assert_eq!([of("f32"), of("unavoidable")], [5, 5], "{probe}");
+    }
+    assert_eq!((&record["study"], &record["claims"]["hold"]), (&"precision".into(), &2.into()));
+    assert!(folder.read("out/report.html").contains("<h3>Probes</h3>"));
+    assert!(folder.read("out/cells.csv").contains("triangles,unavoidable,"));
 }
 
 #[test]
@@ -31,7 +37,7 @@ fn a_loss_of_precision_fails() {
     let folder = Folder::new(&[("own.wgsl", LOST)]);
     let done = precision(&folder, &["own.wgsl", "--interpret"]);
     let done = done.failure(1, &["1 of 1 probes exceed their bound"]);
-    assert_eq!(done.json()["probes"][0]["holds"], false);
+    assert_eq!(done.json()["findings"][0]["verdict"], "fails");
 }
 
 #[test]
@@ -49,11 +55,10 @@ fn the_gpu_computes_what_the_interpreter_does() {
     let Some(folder) = Folder::with_gpu(&[("own.wgsl", LOST)]) else { return };
     let [on_gpu, interpreted] = [&["own.wgsl"][..], &["own.wgsl", "--interpret"]].map(|arguments| {
         let record = precision(&folder, arguments).json();
-        let points = record["probes"][0]["points"].as_array().unwrap().clone();
-        (
-            record["by"].clone(),
-            points.iter().map(|p| p["error"]["most"].as_f64().unwrap()).collect::<Vec<_>>(),
-        )
+        let computed = record["records"].as_array().unwrap().iter().filter(|cell| cell["pipeline"] == "f32");
+        let errors = computed.map(|cell| cell["measures"]["error"].as_f64().unwrap()).collect::<Vec<_>>();
+        assert_eq!(errors.len(), 5);
+        (record["adapter"].clone(), errors)
     });
     assert_ne!(on_gpu.0, interpreted.0);
     for (a, b) in on_gpu.1.iter().zip(&interpreted.1) {

@@ -182,9 +182,9 @@ fn cells_that_fail_leave_the_others() {
         failed[0].contains("E039") && failed[2] == "192 of 192 pixels of frame 1 are NaN or infinite",
         "{json}"
     );
-    let pictures = json["pictures"].as_array().unwrap();
-    assert_eq!(pictures.len(), 6, "{json}");
-    for picture in pictures {
+    let records = json["records"].as_array().unwrap();
+    assert_eq!(records.len(), 6, "{json}");
+    for picture in records {
         if let Some(image) = picture["images"]["image"].as_str() {
             assert_eq!(image, format!("images/{}.exr", picture["key"].as_str().unwrap()));
             assert!(folder.at("out").join(image).is_file(), "{image}");

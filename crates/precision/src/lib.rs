@@ -20,5 +20,5 @@ pub use interpret::{Fault, Interpreter, MOST_STATEMENTS};
 pub use kernel::{GROUP, Kernel};
 pub use measure::{Errors, Evaluator, Interpreted, Measured, Options, Point, ROUNDING, measure};
 pub use probe::{Compared, FOLDER, Probe, ProbeError, paths};
-pub use report::{html, json, table};
+pub use report::{run, table};
 pub use value::{Pointer, Scalar, Value, Vector};

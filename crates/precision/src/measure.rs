@@ -7,6 +7,9 @@ use crate::value::Value;
 /// The greatest error of rounding one number to `f32`, relative to it: half a unit in the last place.
 pub const ROUNDING: f64 = 1.0 / 16_777_216.0;
 
+/// The share of samples that may be on the other side of a branch: they are not judged.
+pub(crate) const MOST_LOST: f64 = 0.01;
+
 /// Number of random roundings of the inputs from which the unavoidable error is measured.
 const CHANGES: u64 = 4;
 
@@ -71,7 +74,7 @@ impl Errors {
             let count = (share * errors.len() as f64).ceil() as usize;
             errors.get(count.max(1) - 1).copied().unwrap_or(0.0)
         };
-        Errors { median: at(0.5), most: at(0.99) }
+        Errors { median: at(0.5), most: at(1.0 - MOST_LOST) }
     }
 }
 
@@ -84,8 +87,9 @@ pub struct Point {
     pub errors: Errors,
     /// Errors of results in `f64` that are rounded to `f32`, from inputs that are off by the rounding of `f32`.
     pub unavoidable: Errors,
-    /// Samples whose result in `f32` is infinite or no number. Their error counts as infinite.
-    pub not_finite: usize,
+    /// The share of samples that are lost: their error is infinite, since the result in `f32` is infinite or no number, or is not 0
+    /// where it should be.
+    pub lost: f64,
 }
 
 impl Point {
@@ -100,8 +104,6 @@ impl Point {
 pub struct Measured {
     /// The probe.
     pub probe: Probe,
-    /// The name of the [`Evaluator`].
-    pub by: String,
     /// From the least magnitude to the greatest.
     pub points: Vec<Point>,
 }
@@ -153,12 +155,10 @@ pub fn measure(probe: &Probe, evaluator: &dyn Evaluator, options: &Options) -> R
     {
         let mut errors = Vec::with_capacity(samples);
         let mut unavoidable = Vec::with_capacity(samples);
-        let mut not_finite = 0;
         for (given, result) in given.iter().zip(results) {
             let exact = given.map_floats(&mut |x| f64::from(x));
             let expected = probe.interpret::<f64>(&exact)?;
             let result = result.map(f64::from);
-            not_finite += usize::from(!result.iter().all(|x| x.is_finite()));
             errors.push(error(probe.compared, expected, result));
             let mut most: f64 = 0.0;
             for _ in 0..CHANGES {
@@ -167,14 +167,15 @@ pub fn measure(probe: &Probe, evaluator: &dyn Evaluator, options: &Options) -> R
             }
             unavoidable.push(most + ROUNDING);
         }
+        let lost = errors.iter().filter(|error| error.is_infinite()).count() as f64 / samples as f64;
         points.push(Point {
             magnitude,
             errors: Errors::of(errors),
             unavoidable: Errors::of(unavoidable),
-            not_finite,
+            lost,
         });
     }
-    Ok(Measured { probe: probe.clone(), by: evaluator.name(), points })
+    Ok(Measured { probe: probe.clone(), points })
 }
 
 /// A number that rounds to `x`, or nearly so: half a unit in its last place away from it.

@@ -21,4 +21,4 @@ pub use drawing::Drawing;
 pub(crate) use drawing::n;
 pub(crate) use palette::style_sheet;
 pub use palette::{Ink, MOST_COLORS, MOST_DASHES, MOST_PARTS};
-pub use xy::{AxisKind, Band, Line, Point, Series, XyAxis, XyChart};
+pub use xy::{AxisKind, Line, Point, Series, XyAxis, XyChart};

@@ -13,7 +13,7 @@ mod pdf;
 mod table;
 
 pub use chart::{
-    AxisKind, Band, BarChart, BarRow, COLUMN, Drawing, Ink, Line, MOST_COLORS, MOST_DASHES, MOST_PARTS, PAGE,
+    AxisKind, BarChart, BarRow, COLUMN, Drawing, Ink, Line, MOST_COLORS, MOST_DASHES, MOST_PARTS, PAGE,
     Point, Segment, Series, XyAxis, XyChart,
 };
 pub use composed::{Column as FigureColumn, Composed, Raster};

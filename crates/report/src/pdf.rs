@@ -11,10 +11,6 @@ use std::io::Write;
 /// The ordering of glyphs in a font that is embedded as it is.
 const IDENTITY: SystemInfo<'_> =
     SystemInfo { registry: Str(b"Adobe"), ordering: Str(b"Identity"), supplement: 0 };
-/// The state in which fills let through what is below them.
-const PALE: Name<'_> = Name(b"Pale");
-/// How much a pale fill covers.
-const PALE_OPACITY: f32 = 0.2;
 /// The least length of the longer side of a picture [px].
 const LEAST_SIDE: usize = 384;
 
@@ -97,16 +93,11 @@ impl<'a> Page<'a> {
         self.content.restore_state();
     }
 
-    /// Lets fills cover little of what is below them, until the state is restored.
-    pub(crate) fn set_pale(&mut self) {
-        self.content.set_parameters(PALE);
-    }
-
     /// Returns the file. The same page gives the same bytes.
     pub(crate) fn finish(self) -> Vec<u8> {
         let mut numbers = (1..).map(Ref::new);
         let mut next = || numbers.next().expect("there are numbers enough");
-        let [catalog, pages, page_id, content, pale] = std::array::from_fn(|_| next());
+        let [catalog, pages, page_id, content] = std::array::from_fn(|_| next());
         let fonts: Vec<(bool, [Ref; 5])> = [false, true]
             .into_iter()
             .filter(|&is_bold| !self.used[usize::from(is_bold)].is_empty())
@@ -133,10 +124,8 @@ impl<'a> Page<'a> {
             named.pair(Name(name.as_bytes()), *object);
         }
         named.finish();
-        resources.ext_g_states().pair(PALE, pale);
         resources.finish();
         page.finish();
-        pdf.ext_graphics(pale).non_stroking_alpha(PALE_OPACITY);
         for (is_bold, objects) in &fonts {
             let font = if *is_bold { &*BOLD } else { &*REGULAR };
             embed(&mut pdf, font, &self.used[usize::from(*is_bold)], *objects);

@@ -35,8 +35,6 @@ pub enum Entry {
     Text(String),
     /// A name with a description that HTML shows under the pointer.
     Named(String, String),
-    /// The name of a section of the page, with a link to it.
-    Link(String),
     /// A measured value.
     Measured {
         /// The value, as it is printed.
@@ -88,9 +86,7 @@ impl Entry {
     /// Returns the text of the entry.
     fn text(&self) -> String {
         match self {
-            Entry::Text(text) | Entry::Named(text, _) | Entry::Link(text) | Entry::Marked { text, .. } => {
-                text.clone()
-            }
+            Entry::Text(text) | Entry::Named(text, _) | Entry::Marked { text, .. } => text.clone(),
             Entry::Measured { value, .. } => value.text(),
             Entry::Absent => "–".to_owned(),
             Entry::Failed(error) => format!("failed: {error}"),
@@ -145,10 +141,6 @@ impl Table {
             Entry::Text(text) if index == 0 => format!("<th scope=row>{}</th>", escape::html(text)),
             Entry::Text(text) => format!("<td{class}>{}</td>", escape::html(text)),
             Entry::Named(text, tip) => format!("<th scope=row{}>{}</th>", titled(tip), escape::html(text)),
-            Entry::Link(text) => {
-                let text = escape::html(text);
-                format!("<th scope=row><a href=\"#{text}\">{text}</a></th>")
-            }
             Entry::Measured { value, mean, is_best } => {
                 let (open, close) = if *is_best { ("<b>", "</b>") } else { ("", "") };
                 format!("<td{class} data-value=\"{mean:e}\">{open}{}{close}</td>", value.html())

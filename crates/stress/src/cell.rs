@@ -14,6 +14,9 @@ const SAME: f64 = 0.05;
 /// differs between scenes; a difference beyond this range is a defect.
 pub(crate) const ALIKE: RangeInclusive<f64> = 0.5..=2.0;
 
+/// The measure of the energy as a share of the expected one.
+pub(crate) const SHARE: &str = "share";
+
 /// Greatest light that counts as black, as a share of the mean of the plain scene.
 const NOTHING: f64 = 1e-6;
 
@@ -74,6 +77,12 @@ pub struct Cell {
     pub seeds: Option<Interval>,
     /// The energy of the first picture, if there are further seeds.
     pub first: Option<f64>,
+    /// The energy by each seed that it is judged by.
+    #[serde(skip)]
+    pub by_seed: Vec<(u32, f64)>,
+    /// The measure that is as expected within a range, if there is one.
+    #[serde(skip)]
+    pub expected: Option<(&'static str, RangeInclusive<f64>)>,
     /// relMSE to the picture of the path tracer.
     pub error: Option<f64>,
     /// What the run reported beside its picture.
@@ -114,6 +123,7 @@ pub(crate) fn evaluate(
     let has_picture = details.is_some();
     let (mean, of_plain) =
         (measure(found, Measure::Mean), plain.and_then(|cell| measure(cell, Measure::Mean)));
+    let darkness = NOTHING * of_plain.unwrap_or(1.0);
     let mut cell = Cell {
         pipeline: found.pipeline.clone(),
         case: case.to_owned(),
@@ -122,6 +132,13 @@ pub(crate) fn evaluate(
         energy: None,
         seeds: None,
         first: None,
+        by_seed: Vec::new(),
+        expected: match expect {
+            Expect::Plain(_) => Some((SHARE, 1.0 - SAME..=1.0 + SAME)),
+            Expect::Truth => Some((SHARE, ALIKE)),
+            Expect::Black => Some((Measure::Mean.key(), 0.0..=darkness)),
+            _ => None,
+        },
         error: measure(found, Measure::RelMse),
         details: details.unwrap_or_default(),
         image: found.images.image.clone(),
@@ -146,7 +163,7 @@ pub(crate) fn evaluate(
                 // Without light in the reference there is no ratio.
                 cell.energy.map_or(mean == 0.0, |energy| ALIKE.contains(&energy))
             }
-            Expect::Black => mean <= NOTHING * of_plain.unwrap_or(1.0),
+            Expect::Black => mean <= darkness,
             Expect::Finite => true,
             Expect::Refused => false,
             Expect::Steady(_) => {
@@ -158,6 +175,7 @@ pub(crate) fn evaluate(
                 cell.message.is_empty()
             }
         };
+    cell.by_seed = cell.energy.map(|energy| (found.seed, energy)).into_iter().collect();
     cell.verdict = match found.end {
         End::TimedOut if !has_picture => Verdict::TimedOut,
         End::Reported if !has_picture => Verdict::Refused,

@@ -26,7 +26,7 @@ pub use cell::{Cell, Verdict};
 pub use child::{Child, Ended, Program, Ran};
 pub use isolated::Details;
 pub use long::{Line, Long, Outputs, SHORTEST, Seen, Steady, long};
-pub use report::{json, tables};
+pub use report::{add, tables};
 pub use run::{Options, REFERENCE, Subject, run};
 pub use settings::{of_pairs, of_settings};
 pub use table::cases;

@@ -1,10 +1,11 @@
-//! The tables of a run, which the page of its study shows.
+//! What the study of a run has beside its cells: claims of their energy and faults, and the tables of its page.
 
 use crate::case::Case;
-use crate::cell::{Cell, Verdict};
+use crate::cell::{Cell, SHARE, Verdict};
 use crate::isolated::Details;
 use report::{Column, Entry, Table};
 use serde_json::json;
+use study::{Better, Claim, MeasureInfo, Outcome, Pick, Relation, Results};
 
 const ALL: [Verdict; 8] = [
     Verdict::Held,
@@ -17,12 +18,65 @@ const ALL: [Verdict; 8] = [
     Verdict::Crashed,
 ];
 
-/// Returns all cells as JSON, with the number of each verdict.
-pub fn json(cells: &[Cell]) -> serde_json::Value {
-    let count = |verdict: Verdict| cells.iter().filter(|cell| cell.verdict == verdict).count();
-    let verdicts: serde_json::Map<_, _> =
-        ALL.iter().map(|verdict| (verdict.word().replace(' ', "-"), json!(count(*verdict)))).collect();
-    json!({ "verdicts": verdicts, "cells": cells })
+const FAULTS: &str = "faults";
+
+/// Adds to the results of a run what is said of its cells: the verdict and the command as details, the share of the expected
+/// energy and the number of faulty pixels as measures, and what is claimed of these.
+pub fn add(results: &mut Results, cells: &[Cell]) {
+    let info = |key: &str, label: &str, unit: &str, better, doc: &str| MeasureInfo {
+        key: key.to_owned(),
+        label: label.to_owned(),
+        unit: unit.to_owned(),
+        better,
+        doc: doc.to_owned(),
+        is_error: false,
+    };
+    results.study.measures.extend([
+        info(
+            SHARE,
+            "share",
+            "",
+            Better::One,
+            "The energy of the indirect light as a share of the expected one",
+        ),
+        info(
+            FAULTS,
+            "faults",
+            "px",
+            Better::Lower,
+            "Pixels that are not finite or negative, of indirect light and image",
+        ),
+    ]);
+    for cell in cells {
+        let is_of = |known: &&mut study::Cell| known.pipeline == cell.pipeline && known.scene == cell.case;
+        for (place, known) in results.cells.iter_mut().filter(is_of).enumerate() {
+            let own = cell.by_seed.iter().find(|(seed, _)| *seed == known.seed);
+            known.measures.insert(SHARE.to_owned(), own.map(|(_, share)| *share));
+            let faults = (cell.details.not_finite + cell.details.negative) as f64;
+            let is_judged = place == 0 && known.outcome == Outcome::Done;
+            known.measures.insert(FAULTS.to_owned(), is_judged.then_some(faults));
+            if place == 0 {
+                known.details = json!(cell);
+            }
+        }
+        let bound = |measure: &str, at_least, at_most| {
+            let of = Pick { pipeline: cell.pipeline.clone().into(), at: Vec::new() };
+            Claim {
+                measure: measure.to_owned().into(),
+                relation: Relation::Bound { of, at_least, at_most },
+                at: Vec::new(),
+                scenes: vec![cell.case.clone().into()],
+                says: String::new(),
+                because: String::new(),
+            }
+        };
+        results.study.claims.push(bound(FAULTS, None, Some(0.0)));
+        // Where both are black there is no share.
+        let expected =
+            cell.expected.as_ref().filter(|(measure, _)| *measure != SHARE || cell.energy.is_some());
+        let claim = expected.map(|(measure, range)| bound(measure, Some(*range.start()), Some(*range.end())));
+        results.study.claims.extend(claim);
+    }
 }
 
 /// Returns the tables that are not empty: cases and pipelines, long runs, settings at the ends of their ranges, and the cells

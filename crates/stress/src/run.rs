@@ -51,7 +51,7 @@ pub struct Options {
 
 /// The study of all runs, but for what the cases say.
 const STUDY: &str = "Study(
-    scenes: [\"plain\"], pipelines: All, size: (64, 64), budget: Frames(1), warm_up: 0,
+    title: \"Extremes\", scenes: [\"plain\"], pipelines: All, size: (64, 64), budget: Frames(1), warm_up: 0,
     measures: [\"mean\", \"energy\", \"rel-mse\"], reference: Pipeline(pipeline: \"reference\"),
 )";
 
@@ -196,6 +196,7 @@ impl Cells<'_> {
                         let is_alike = ALIKE.contains(&mean.mean);
                         cell.verdict = if is_alike { Verdict::Held } else { Verdict::Off };
                         cell.first = cell.energy.replace(mean.mean);
+                        cell.by_seed = again.iter().flat_map(|cell| cell.by_seed.iter().copied()).collect();
                         cell.seeds = Some(mean);
                     }
                 }

@@ -9,7 +9,7 @@ use std::time::Duration;
 use stress::{
     Case, Cell, Ended, Expect, Options, Program, Ran, Subject, Verdict, cases, of_pairs, of_settings,
 };
-use study::{CellRun, Failure, Laboratory, Observed, Occluded, RunOptions, RunRequest, Shard, Step};
+use study::{CellRun, Failure, Laboratory, Observed, Occluded, Results, RunOptions, RunRequest, Shard, Step};
 
 /// No files but those on disk.
 struct Nothing;
@@ -145,10 +145,15 @@ impl Laboratory for Known {
 }
 
 fn run(program: &dyn Program, cases: &[Case], folder: &Path) -> Vec<Cell> {
-    run_part(program, cases, folder, None)
+    run_part(program, cases, folder, None).1
 }
 
-fn run_part(program: &dyn Program, cases: &[Case], folder: &Path, shard: Option<Shard>) -> Vec<Cell> {
+fn run_part(
+    program: &dyn Program,
+    cases: &[Case],
+    folder: &Path,
+    shard: Option<Shard>,
+) -> (Results, Vec<Cell>) {
     let name = "ism".to_owned();
     let subject = Subject { name, settable: Vec::new(), bounces: 1, sampled: false, cases: Vec::new() };
     let options = Options {
@@ -160,7 +165,7 @@ fn run_part(program: &dyn Program, cases: &[Case], folder: &Path, shard: Option<
         limit: Duration::from_secs(1),
         study: RunOptions { shard, ..RunOptions::default() },
     };
-    stress::run((program, &mut Known), &[subject], cases, &options, &mut |_| {}).unwrap().1
+    stress::run((program, &mut Known), &[subject], cases, &options, &mut |_| {}).unwrap()
 }
 
 /// A full disk says nothing of a pipeline.
@@ -269,4 +274,28 @@ fn what_is_finished_does_not_run_again() {
     let of_parts = run(&grey, &case, merged);
     assert_eq!(grey.1.get(), runs);
     assert_eq!((of_parts[0].verdict, of_parts[0].energy), (cells[0].verdict, cells[0].energy));
+}
+
+/// Verdicts, energies and faults of a run are details, measures and claims of its study; with them it goes on as without.
+#[test]
+fn what_is_said_of_cells_is_in_the_study() {
+    let folder = tempfile::tempdir().unwrap();
+    let case: Vec<Case> = cases().into_iter().filter(|case| case.name == "frame-1x1").collect();
+    for (shade, verdict) in [(1.2, study::Verdict::Holds), (0.1, study::Verdict::Fails)] {
+        let folder = folder.path().join(verdict_name(verdict));
+        let program = Grey(if shade > 1.0 { |_| 1.2 } else { |_| 0.1 }, Cell32::new(0));
+        let (mut results, cells) = run_part(&program, &case, &folder, None);
+        stress::add(&mut results, &cells);
+        study::keep(&results, &folder).unwrap();
+        let read = Results::read(&folder).unwrap();
+        let verdicts: Vec<_> = read.findings().iter().map(|finding| finding.verdict).collect();
+        assert_eq!(verdicts, [Some(study::Verdict::Holds), Some(verdict)], "no faults, and the energy");
+        let judged = read.cells.iter().find(|cell| cell.scene == "frame-1x1").unwrap();
+        assert_eq!(judged.details["verdict"], serde_json::json!(cells[0].verdict));
+        assert_eq!(run(&program, &case, &folder), cells, "what is finished is known");
+    }
+}
+
+fn verdict_name(verdict: study::Verdict) -> String {
+    format!("{verdict:?}")
 }

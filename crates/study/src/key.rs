@@ -5,6 +5,7 @@ use crate::error::Failure;
 use crate::laboratory::{Laboratory, RunRequest};
 use crate::measure::{DEFINITIONS, Measure};
 use crate::plan::{Origin, PlannedCell};
+use crate::record::{Cell, StudyRecord};
 use std::fmt;
 use xxhash_rust::xxh3::{xxh3_64, xxh3_128};
 
@@ -66,6 +67,12 @@ pub(crate) fn content(
 ) -> String {
     let (request, search) = (cell.request.text(), format!("{:?}", cell.search));
     of(&[VERSION, pipeline, identity, &request, &search, &taken.text(), reference]).to_string()
+}
+
+/// Returns the content of a cell that is no picture.
+pub(crate) fn of_case(study: &StudyRecord, cell: &Cell) -> String {
+    let place = format!("{:?} {}", cell.axes, cell.seed);
+    of(&[VERSION, &study.name, &study.source, &cell.scene, &cell.pipeline, &place]).to_string()
 }
 
 /// Returns the key of a cell of some content on an adapter: `CONTENT-ADAPTER`.

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod budget;
+mod cases;
 mod claim;
 pub mod codes;
 mod cost;
@@ -29,6 +30,7 @@ mod shard;
 mod spread;
 mod table;
 
+pub use cases::{MeasureCase, keep, measure_cases};
 pub use claim::{Finding, Verdict};
 pub use cost::{Costs, SHARD_MINUTES, UNKNOWN_SECONDS};
 pub use description::{Claim, Pick, Relation, Study, parse, parse_with};
@@ -46,7 +48,7 @@ pub use page::publish;
 pub use plan::{Plan, PlannedCell, Run};
 pub use record::{
     Axis, AxisValue, Better, Cell, CellImages, Difference, End, FrameSeries, MeasureInfo, Memory, Node,
-    Outcome, PassTime, PipelineRecord, ReferenceRecord, Results, SceneRecord, StudyRecord,
+    Outcome, PassTime, PipelineRecord, ReferenceRecord, Results, SceneRecord, StudyRecord, Words,
 };
 pub use report::{claims, gallery, report, report_with, tables};
 pub use run::{Event, Ran, RunOptions, name_of, run};

@@ -17,7 +17,7 @@ pub struct Results {
 }
 
 /// The description of a study, with every name resolved: `study.json`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StudyRecord {
     /// Name of the file, without its ending.
     pub name: String,
@@ -32,8 +32,11 @@ pub struct StudyRecord {
     pub source: String,
     /// Size of frames \[px\].
     pub size: (u32, u32),
-    /// The output of the pipelines that is measured.
+    /// The output of the pipelines that is measured; empty if the cells are no pictures.
     pub output: String,
+    /// What its scenes and pipelines are called.
+    #[serde(default)]
+    pub words: Words,
     /// The budget, as a line of text: "8 frames", "20 ms a frame by `lights`".
     pub budget: String,
     /// Whether the budget is one of time: then errors depend on the adapter as well.
@@ -107,6 +110,30 @@ impl StudyRecord {
     }
 }
 
+/// What the cases of a study and that which is compared in them are called in tables and on pages. In records they are scenes
+/// and pipelines.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Words {
+    /// A case, in lower case: "scene".
+    pub case: String,
+    /// That which is compared, likewise: "pipeline".
+    pub subject: String,
+}
+
+impl Default for Words {
+    fn default() -> Words {
+        Words { case: "scene".to_owned(), subject: "pipeline".to_owned() }
+    }
+}
+
+/// Returns a word with its first letter in upper case, for headings.
+pub(crate) fn heading(word: &str) -> String {
+    let mut letters = word.chars();
+    letters
+        .next()
+        .map_or_else(String::new, |first| first.to_uppercase().collect::<String>() + letters.as_str())
+}
+
 /// A scene of a study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SceneRecord {
@@ -121,7 +148,7 @@ pub struct SceneRecord {
 }
 
 /// A pipeline of a study, with its own values.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PipelineRecord {
     /// The name in tables and charts.
     pub name: String,
@@ -136,7 +163,7 @@ pub struct PipelineRecord {
 }
 
 /// An axis: a parameter or setting that varies.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Axis {
     /// Path of the parameter or setting: `lights`, `gather.clamp`.
     pub name: String,

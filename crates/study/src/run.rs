@@ -9,7 +9,7 @@ use crate::folder::{Folder, Index, Sharing, images, now, read_study};
 use crate::key::{self, Taken, VERSION};
 use crate::laboratory::{CellRun, Laboratory, Observed, RunRequest, Step};
 use crate::plan::{Plan, PlannedCell, Search};
-use crate::record::{AxisValue, Cell, Node, Outcome, Results, StudyRecord};
+use crate::record::{AxisValue, Cell, Node, Outcome, Results, StudyRecord, Words};
 use crate::reference::{Part, References, Truth};
 use crate::shard::{Shard, Work};
 use metrics::statistics::median;
@@ -226,6 +226,7 @@ impl Session<'_> {
             source: study.source.text.clone(),
             size: study.size,
             output: study.output.value.clone(),
+            words: Words::default(),
             budget: study.budget.line(),
             budget_of_time: matches!(study.budget, Budget::Time { .. }),
             warm_up: study.warm_up,
@@ -459,7 +460,7 @@ impl Session<'_> {
 }
 
 /// Returns the name of this machine: that by which Slurm knows it, or its own.
-fn host() -> String {
+pub(crate) fn host() -> String {
     let name = std::env::var("SLURMD_NODENAME").ok();
     name.unwrap_or_else(|| gethostname::gethostname().to_string_lossy().into_owned())
 }

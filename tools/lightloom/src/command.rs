@@ -2,6 +2,7 @@
 
 pub(crate) mod bench;
 pub(crate) mod blame;
+pub(crate) mod cases;
 pub(crate) mod check;
 pub(crate) mod compare;
 pub(crate) mod completions;

@@ -1,6 +1,6 @@
 //! Measuring: what is lost is seen, what cannot be kept is told from it, and both are reported.
 
-use precision::{Interpreted, Kernel, Measured, Options, Probe, ROUNDING, html, json, measure};
+use precision::{Interpreted, Kernel, Measured, Options, Probe, ROUNDING, measure, run};
 use shader_library::{Library, MemoryFiles};
 use std::sync::Arc;
 
@@ -59,9 +59,7 @@ fn what_inputs_do_not_tell_is_unavoidable() {
 fn what_is_not_finite_counts_as_error() {
     let overflown = measured("", "(1e38 + x) * 1e38 * 0.0 + 1.0, 0.0, 0.0, 0.0");
     assert!(!overflown.holds());
-    assert!(
-        overflown.points.iter().all(|point| point.not_finite == 64 && point.errors.median == f64::INFINITY)
-    );
+    assert!(overflown.points.iter().all(|point| point.lost == 1.0 && point.errors.median == f64::INFINITY));
     // What vanishes has lost all of it.
     let vanished = measured("", "x * 1e-30 * 1e-30, 0.0, 0.0, 0.0");
     assert_eq!(vanished.worst().unwrap().errors.median, 1.0);
@@ -128,29 +126,45 @@ fn what_is_no_probe_is_told() {
     }
 }
 
+/// A probe is a case of a study: errors by magnitude in its folder, and its bound as a claim where the error is worst.
 #[test]
-fn the_report_has_all_and_escapes_it() {
-    let all = [measured("", "1.0 - cos(x), 0.0, 0.0, 0.0"), measured("", "x * 1e38 * 1e38, 0.0, 0.0, 0.0")];
-    let record = json(&all);
-    assert_eq!(record[0]["points"].as_array().map(Vec::len), Some(9));
-    assert_eq!(record[0]["holds"], false);
-    assert_eq!(record[0]["points"][0]["error"]["most"], 1.0);
-    assert_eq!(record[0]["about"], "What is <lost>. And where.");
+fn probes_are_cases_of_a_study() {
+    let probes = [
+        ("lost", probe("", "1.0 - cos(x), 0.0, 0.0, 0.0")),
+        ("kept", probe("", "x + y, 0.0, 0.0, 0.0")),
+        ("overflows", probe("", "x * 1e38 * 1e38, 0.0, 0.0, 0.0")),
+    ];
+    let probes = probes.map(|(name, mut probe)| {
+        probe.name = name.to_owned();
+        probe
+    });
+    let folder = tempfile::tempdir().unwrap();
+    let options = Options { magnitudes: 9, samples: 64, seed: 3 };
+    let (ran, all) = run(&probes, &Interpreted, &options, folder.path(), &mut |_| {}).unwrap();
+    assert_eq!((ran.run, ran.failed, all.len()), (3 * 9 * 2, 0, 3));
+    let results = &ran.results;
+    let (first, worst) = (&results.cells[0], all[0].worst().unwrap());
+    assert_eq!((first.scene.as_str(), first.pipeline.as_str()), ("lost", "f32"));
+    assert_eq!(first.measures["error"], Some(worst.errors.most), "the worst is the first");
     // JSON has no infinity.
-    assert!(record[1]["points"][8]["error"]["most"].is_null());
-    let page = html(&all, "by <hand>");
-    for expected in [
-        "What is &lt;lost&gt;. And where.",
-        "by &lt;hand&gt;",
-        "default-src 'none'",
-        "x [rad]",
-        "class=\"number exceeds\"",
-    ] {
+    let overflown = results.cells.iter().find(|cell| cell.scene == "overflows").unwrap();
+    assert_eq!((overflown.measures["error"], overflown.measures["lost"]), (None, Some(1.0)));
+    let findings = results.findings();
+    let verdicts: Vec<_> = findings.iter().map(|finding| finding.verdict).collect();
+    let holds = |holds| Some(if holds { study::Verdict::Holds } else { study::Verdict::Fails });
+    assert_eq!(verdicts, all.iter().map(|measured| holds(measured.holds())).collect::<Vec<_>>());
+    assert_eq!(verdicts, [holds(false), holds(true), holds(false)]);
+    let pages = study::report_with(results, folder.path(), &[precision::table(&all)]).unwrap();
+    let page = std::fs::read_to_string(&pages[0]).unwrap();
+    for expected in
+        ["What is &lt;lost&gt;. And where. Magnitude: x [rad].", "class=\"number exceeds\"", "Probe"]
+    {
         assert!(page.contains(expected), "{expected}");
     }
-    assert!(!page.contains("NaN") && !page.contains("<hand>"), "{page}");
-    assert_eq!(page.matches("<svg").count(), 2);
-    assert_eq!(page.matches("class=\"series ").count(), 8);
+    // Errors, their medians and lost samples by magnitude.
+    assert_eq!(page.matches("<svg").count(), 3 * 3);
+    assert!(!page.contains("<lost>") && !page.contains("Nothing to draw"), "{page}");
+    assert!(std::fs::read_to_string(folder.path().join("cells.csv")).unwrap().contains("kept,f32,"));
 }
 
 #[test]

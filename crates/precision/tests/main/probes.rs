@@ -19,14 +19,14 @@ fn every_probe_meets_its_bound() {
             measure(&probe, &Interpreted, &options).unwrap_or_else(|fault| panic!("{path}: {fault}"));
         let worst = measured.worst().unwrap();
         println!(
-            "{:<24} worst at {:<8.1e} error {:<8.1e} unavoidable {:<8.1e} ratio {:<8.2} greatest {:<8.1e} {} not finite, {:.2} s",
+            "{:<24} worst at {:<8.1e} error {:<8.1e} unavoidable {:<8.1e} ratio {:<8.2} greatest {:<8.1e} lost {}, {:.2} s",
             probe.name,
             worst.magnitude,
             worst.errors.most,
             worst.unavoidable.most,
             worst.ratio(),
             measured.points.iter().map(|point| point.errors.most).fold(0.0, f64::max),
-            measured.points.iter().map(|point| point.not_finite).sum::<usize>(),
+            measured.points.iter().map(|point| point.lost).fold(0.0, f64::max),
             start.elapsed().as_secs_f64(),
         );
         if !only.is_empty() {

@@ -46,8 +46,6 @@ pub(super) struct Style {
     pub(super) stroke: Option<(Ink, f64)>,
     /// Lengths of dashes and gaps [px]; empty for none.
     pub(super) dashes: &'static [f64],
-    /// Whether the fill lets through what is below it.
-    pub(super) is_pale: bool,
 }
 
 impl Style {
@@ -261,16 +259,16 @@ impl Drawing {
         for element in &self.elements {
             match element {
                 Element::Path(path, style) => {
-                    let Style { fill, stroke, dashes, is_pale } = *style;
+                    let Style { fill, stroke, dashes } = *style;
                     let draw = |content: &mut Content| path.pdf(content);
-                    painted(&mut page, draw, fill, stroke, dashes, is_pale);
+                    painted(&mut page, draw, fill, stroke, dashes);
                 }
                 Element::Rectangle((x, y), (width, height), fill, stroke) => {
                     let [x, y, width, height] = [*x, *y, *width, *height].map(|value| value as f32);
                     let draw = |content: &mut Content| {
                         content.rect(x, y, width, height);
                     };
-                    painted(&mut page, draw, Some(*fill), stroke.map(|ink| (ink, 1.0)), &[], false);
+                    painted(&mut page, draw, Some(*fill), stroke.map(|ink| (ink, 1.0)), &[]);
                 }
                 Element::Text(at, text) => write_text(&mut page, *at, text),
                 Element::Open(..) | Element::Close => {}
@@ -280,7 +278,7 @@ impl Drawing {
     }
 }
 
-fn path_element(path: &Path, Style { fill, stroke, dashes, is_pale }: &Style) -> String {
+fn path_element(path: &Path, Style { fill, stroke, dashes }: &Style) -> String {
     let mut element = format!("<path d=\"{}\"{}", path.svg(), paint(*fill, stroke.map(|(ink, _)| ink)));
     if let Some((_, width)) = stroke {
         let _ = write!(element, " stroke-width=\"{width}\" stroke-linejoin=\"round\"");
@@ -288,9 +286,6 @@ fn path_element(path: &Path, Style { fill, stroke, dashes, is_pale }: &Style) ->
     if !dashes.is_empty() {
         let dashes: Vec<String> = dashes.iter().map(f64::to_string).collect();
         let _ = write!(element, " stroke-dasharray=\"{}\"", dashes.join(" "));
-    }
-    if *is_pale {
-        element.push_str(" fill-opacity=\"0.2\"");
     }
     element + "/>"
 }
@@ -322,12 +317,8 @@ fn painted(
     fill: Option<Ink>,
     stroke: Option<(Ink, f64)>,
     dashes: &[f64],
-    is_pale: bool,
 ) {
     page.content.save_state();
-    if is_pale {
-        page.set_pale();
-    }
     if let Some([red, green, blue]) = fill.map(|ink| channels(ink.rgb())) {
         page.content.set_fill_rgb(red, green, blue);
     }

@@ -63,8 +63,6 @@ pub(super) fn draw(
 }
 
 /// The Pareto front: broad and pale, under the lines of the series.
-pub(super) const FRONT: Style =
-    Style { fill: None, stroke: Some((Ink::Rest, 4.0)), dashes: &[], is_pale: false };
+pub(super) const FRONT: Style = Style { fill: None, stroke: Some((Ink::Rest, 4.0)), dashes: &[] };
 /// The noise of the reference: dotted.
-pub(super) const FLOOR: Style =
-    Style { fill: None, stroke: Some((Ink::Faint, 1.4)), dashes: &[1.0, 4.0], is_pale: false };
+pub(super) const FLOOR: Style = Style { fill: None, stroke: Some((Ink::Faint, 1.4)), dashes: &[1.0, 4.0] };

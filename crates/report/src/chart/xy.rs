@@ -27,8 +27,6 @@ pub struct XyChart {
     pub y: XyAxis,
     /// One series per pipeline.
     pub series: Vec<Series>,
-    /// Areas below the lines.
-    pub bands: Vec<Band>,
     /// Corners of the Pareto front, sorted by x; empty for none.
     pub front: Vec<(f64, f64)>,
     /// Whether larger y is better: if so, the front begins at the bottom.
@@ -37,14 +35,6 @@ pub struct XyChart {
     pub dashes: Vec<String>,
     /// The error of the reference itself, drawn if it is within the axis.
     pub floor: Option<f64>,
-}
-
-/// The area between two curves, in the color of a series.
-pub struct Band {
-    /// Determines the color.
-    pub index: usize,
-    /// Position on the x axis, lower and upper end.
-    pub points: Vec<(f64, f64, f64)>,
 }
 
 /// Title and type of an axis.
@@ -131,12 +121,6 @@ impl XyChart {
         frame.draw_x(&mut drawing, &x, !matches!(self.x.kind, AxisKind::Choices(_)));
         frame.draw_y(&mut drawing, &y);
         let has_floor = self.draw_floor(&mut drawing, frame, &y);
-        for Band { index, points } in &self.bands {
-            let lower = points.iter().map(|&(at, low, _)| (frame.x(&x, at), frame.y(&y, low)));
-            let upper = points.iter().rev().map(|&(at, _, high)| (frame.x(&x, at), frame.y(&y, high)));
-            let style = Style { fill: Some(Ink::Series(*index)), is_pale: true, ..Style::default() };
-            drawing.path(Path::polygon(lower.chain(upper)), style);
-        }
         self.draw_front(&mut drawing, frame, &x, &y);
         for series in &self.series {
             draw_series(&mut drawing, frame, &x, &y, series);

@@ -214,6 +214,18 @@ impl<'a> Digest<'a> {
         let measures = self.results.study.measures.iter();
         measures.filter(|measure| self.rows.iter().any(|row| row.summary(&measure.key).is_some()))
     }
+
+    /// Returns the measures of the columns of some rows: of pictures, all that have a value anywhere; otherwise those that have one
+    /// there, since each case may have its own.
+    pub(super) fn measured_in(&self, rows: &[&Row<'a>]) -> impl Iterator<Item = &'a MeasureInfo> {
+        let is_there = |measure: &&MeasureInfo| rows.iter().any(|row| row.summary(&measure.key).is_some());
+        self.measured().filter(move |measure| self.has_pictures() || is_there(measure))
+    }
+
+    /// Returns whether the cells are pictures.
+    pub(super) fn has_pictures(&self) -> bool {
+        !self.results.study.output.is_empty()
+    }
 }
 
 impl Row<'_> {

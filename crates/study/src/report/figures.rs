@@ -35,13 +35,13 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// Returns the names of what a chart is selected by.
+    /// Returns the names of what a chart is selected by, after its case.
     pub(super) fn choices(self) -> &'static [&'static str] {
         match self {
-            Kind::ErrorTime => &["Scene", "Measure"],
-            Kind::ErrorAxis => &["Scene", "Measure", "Axis", "With"],
-            Kind::Frames => &["Scene", "Measure", "Values"],
-            Kind::Passes | Kind::Memory => &["Scene", "Rows"],
+            Kind::ErrorTime => &["Measure"],
+            Kind::ErrorAxis => &["Measure", "Axis", "With"],
+            Kind::Frames => &["Measure", "Values"],
+            Kind::Passes | Kind::Memory => &["Rows"],
         }
     }
 }

@@ -9,6 +9,7 @@ use super::FIGURES;
 use super::digest::{Digest, distinct};
 use super::figures::{Figure, Figures, Kind};
 use super::pictures::Pictures;
+use crate::record::heading;
 use crate::{Outcome, Results};
 use report::escape::{self, html};
 use report::{Page, Table, number};
@@ -34,11 +35,13 @@ pub(super) fn page(
     pictures: &Pictures,
 ) -> String {
     let results = digest.results;
+    let case = heading(&results.study.words.case);
     let charts = |kind: Kind, id: &'static str, name: &'static str, none: &str| {
         let figures: Vec<&Figure> = figures.all.iter().filter(|figure| figure.kind == kind).collect();
-        Section { id, name, body: chooser(kind.choices(), &figures, none) }
+        let choices: Vec<&str> = std::iter::once(&*case).chain(kind.choices().iter().copied()).collect();
+        Section { id, name, body: chooser(&choices, &figures, none) }
     };
-    let errors = [
+    let errors = vec![
         charts(
             Kind::ErrorTime,
             "time",
@@ -60,24 +63,32 @@ pub(super) fn page(
     let claims: Vec<Section<'_>> = more.chain(claims).collect();
     let has_frames = figures.all.iter().any(|figure| figure.kind == Kind::Frames);
     let frames = has_frames.then(|| charts(Kind::Frames, "frames", "Frame by frame", ""));
-    let costs = [
+    let costs = vec![
         charts(Kind::Passes, "passes", "Time per pass", "Nothing to draw: no cell has times of its passes."),
         charts(Kind::Memory, "memory", "Memory", "Nothing to draw: no cell has a record of its memory."),
     ];
     let pictures_section = Section { id: "pictures", name: "Pictures", body: viewer(pictures) };
     let tables_section = Section { id: "tables", name: "Tables", body: tables_body(digest, tables) };
-    let rest = [
+    let mut rest = vec![
         Section { id: "differences", name: "Differences", body: setup::differences(results) },
         Section { id: "references", name: "References", body: setup::references(results) },
         Section { id: "setup", name: "Set-up", body: setup::setup(results) },
         Section { id: "cells", name: "Cells", body: setup::cells(digest) },
     ];
+    let (mut errors, mut costs, mut pictures_sections) = (errors, costs, vec![pictures_section]);
+    if !digest.has_pictures() {
+        // Nothing of them is there.
+        errors.retain(|section| section.id == "axes" && !results.study.axes.is_empty());
+        costs.clear();
+        pictures_sections.clear();
+        rest.retain(|section| section.id != "differences" && section.id != "references");
+    }
 
     let mut sections = failures(digest) + &notes(figures, pictures);
     sections.extend(claims.iter().map(section));
     sections += &grid(&errors);
     sections.extend(frames.iter().map(section));
-    sections += &section(&pictures_section);
+    sections.extend(pictures_sections.iter().map(section));
     sections += &section(&tables_section);
     sections += &grid(&costs);
     sections.extend(rest.iter().map(section));
@@ -85,7 +96,8 @@ pub(super) fn page(
         .iter()
         .chain(&errors)
         .chain(&frames)
-        .chain([&pictures_section, &tables_section])
+        .chain(&pictures_sections)
+        .chain([&tables_section])
         .chain(&costs)
         .chain(&rest);
     let contents = order.map(|part| format!("<li><a href=\"#{}\">{}</a></li>\n", part.id, part.name));
@@ -118,7 +130,11 @@ fn section(section: &Section<'_>) -> String {
     )
 }
 
+/// Returns sections beside each other; nothing without any.
 fn grid(sections: &[Section<'_>]) -> String {
+    if sections.is_empty() {
+        return String::new();
+    }
     format!("<div class=grid>\n{}</div>\n", sections.iter().map(section).collect::<String>())
 }
 
@@ -133,14 +149,15 @@ fn head(digest: &Digest<'_>) -> String {
     let total = study.cell_count.max(digest.results.cells.len());
     let seconds: f64 = digest.results.cells.iter().map(|cell| cell.seconds).sum();
     let name = if study.title.is_empty() { String::new() } else { study.name.clone() };
+    let of_pictures = |text: String| if digest.has_pictures() { text } else { String::new() };
     let facts = [
         ("Study", name),
         ("Cells", format!("{} of {total} done", digest.results.cells.len() - failed)),
         ("Took", duration(seconds)),
-        ("Frame", format!("{} × {} px", study.size.0, study.size.1)),
+        ("Frame", of_pictures(format!("{} × {} px", study.size.0, study.size.1))),
         ("Measured output", study.output.clone()),
         ("Budget", study.budget.clone()),
-        ("Warm-up", format!("{} frames", study.warm_up)),
+        ("Warm-up", of_pictures(format!("{} frames", study.warm_up))),
         ("Seeds", seeds.join(", ")),
         ("Paper", study.paper.clone()),
         ("Adapter", digest.results.ran_by().join("; ")),
@@ -259,7 +276,7 @@ fn tables_body(digest: &Digest<'_>, tables: &[Table]) -> String {
     if tables.is_empty() {
         return "<p class=note>No cell has run yet.</p>\n".to_owned();
     }
-    let names = html(&json(&["Scene"]));
+    let names = html(&json(&[heading(&digest.results.study.words.case)]));
     let mut out = format!("<div class=chooser data-names=\"{names}\">\n<div class=selects></div>\n");
     for table in tables {
         let choice = html(&json(&[&table.name]));

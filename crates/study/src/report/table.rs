@@ -4,8 +4,9 @@ mod claims;
 
 use super::best::best;
 use super::digest::{Digest, Row, distinct, label_with_unit};
-use crate::MeasureInfo;
 use crate::claim::Seeds;
+use crate::record::heading;
+use crate::{Better, MeasureInfo};
 pub(super) use claims::of_claims;
 use report::{Column, Entry, Table, number};
 
@@ -15,7 +16,7 @@ pub(super) fn of_scene(digest: &Digest<'_>, scene: usize) -> Table {
     let varied = digest.varied();
     let rows: Vec<&Row<'_>> = digest.of_scene(scene).collect();
     let chosen = distinct(rows.iter().flat_map(|row| row.done()).flat_map(|cell| cell.chosen.keys()));
-    let measures: Vec<&MeasureInfo> = digest.measured().collect();
+    let measures: Vec<&MeasureInfo> = digest.measured_in(&rows).collect();
     let best_of = |measure: &&MeasureInfo| {
         // Times are compared among the rows of one adapter.
         let mut is_best = vec![false; rows.len()];
@@ -29,7 +30,7 @@ pub(super) fn of_scene(digest: &Digest<'_>, scene: usize) -> Table {
     };
     let bests: Vec<Vec<bool>> = measures.iter().map(best_of).collect();
 
-    let mut columns = vec![Column::text("Pipeline", "")];
+    let mut columns = vec![Column::text(&heading(&study.words.subject), "")];
     columns.extend(varied.iter().map(|&axis| {
         let axis = &study.axes[axis];
         let unit = if axis.unit.is_empty() { String::new() } else { format!(" [{}]", axis.unit) };
@@ -62,15 +63,19 @@ pub(super) fn of_scene(digest: &Digest<'_>, scene: usize) -> Table {
         }));
         entries
     };
-    let mut caption = format!("{}: means over seeds", digest.scenes[scene]);
+    let what = if study.seeds.is_empty() { "" } else { ": means over seeds" };
+    let mut caption = format!("{}{what}", digest.scenes[scene]);
     if study.seeds.len() > 1 {
         caption += " and half the width of their 95 % intervals (Student’s t; none where all seeds agree)";
     }
-    caption += if study.seeds.len() > 1 {
-        "; in bold, the best of each column and all that are not worse (95 %, seed by seed), unless that is all of them, and none whose \
+    caption += match (study.seeds.len() > 1, measures.iter().any(|measure| measure.better != Better::Neither))
+    {
+        (_, false) => ".",
+        (true, _) => {
+            "; in bold, the best of each column and all that are not worse (95 %, seed by seed), unless that is all of them, and none whose \
              interval is wider than its mean."
-    } else {
-        "; in bold, the best of each column. One seed has no interval."
+        }
+        (false, _) => "; in bold, the best of each column. One seed has no interval.",
     };
     for measure in &measures {
         if let Some(noise) = digest.noise(scene, measure) {

@@ -1,35 +1,27 @@
 //! `lightloom precision`: the error of single precision in shader functions.
 
-use super::lists::print;
-use crate::context::{Context, unknown};
-use crate::output::{self, progress, stdout, write};
-use anyhow::{Context as _, Result, bail};
+use super::cases::CaseArgs;
+use super::study::{fail_if_any, summary};
+use crate::context::Context;
+use crate::output::{self, progress, stdout};
+use anyhow::{Result, bail};
 use executor::wgpu::{self, BufferUsages};
 use executor::{ExecutorError, Gpu};
 use precision::{Evaluator, Fault, GROUP, Interpreted, Kernel, Options, Probe, Value};
-use serde_json::json;
 use std::borrow::Cow;
-use std::path::PathBuf;
 
 /// Compare shader functions in f32 with the same functions in f64, over ranges of magnitudes.
 ///
-/// A probe is a WGSL file that calls functions of shaders with inputs of one magnitude. Its error is compared with the
-/// unavoidable one, that of rounded inputs and a rounded result. Exits with 1 if an error exceeds its bound.
+/// A case is a probe: a WGSL file, also one of your own, that calls functions of shaders with inputs of one magnitude. Its error is
+/// compared with the unavoidable one, that of rounded inputs and a rounded result. Exits with 1 if an error exceeds its bound.
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   lightloom precision
   lightloom precision ggx-peak spot-caps --interpret
   lightloom precision own.wgsl --samples 1000 -o out/own")]
 pub(crate) struct Args {
-    /// Probes, by name or .wgsl file; all by default
-    #[arg(value_name = "PROBE|FILE.wgsl")]
-    probes: Vec<String>,
-    /// The folder for the report
-    #[arg(short, long = "out", value_name = "DIR", default_value = "out/precision")]
-    out: PathBuf,
-    /// List the probes
-    #[arg(long)]
-    list: bool,
+    #[command(flatten)]
+    cases: CaseArgs,
     /// Compute f32 by the interpreter instead of the GPU: each operation is rounded once
     #[arg(long)]
     interpret: bool,
@@ -45,67 +37,50 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
-    let probes = chosen(context, &args.probes)?;
-    if args.list {
-        print(context, &probes.into_iter().map(|probe| (probe.name, probe.about)).collect::<Vec<_>>());
-        return Ok(());
-    }
+    let all = probes(context, &args.cases.names)?;
+    let names: Vec<(String, String)> =
+        all.iter().map(|probe| (probe.name.clone(), probe.about.clone())).collect();
+    let Some(chosen) = args.cases.chosen(context, "precision", &names)? else { return Ok(()) };
+    let probes: Vec<Probe> = chosen.into_iter().map(|index| all[index].clone()).collect();
     let evaluator = evaluator(args.interpret)?;
     let options =
         Options { magnitudes: args.magnitudes as usize, samples: args.samples as usize, seed: args.seed };
+    let folder = args.cases.folder("precision");
     let bar = progress(probes.len() as u64, "precision");
-    let mut all = Vec::with_capacity(probes.len());
-    for probe in &probes {
-        bar.set_message(probe.name.clone());
-        let measured = precision::measure(probe, &*evaluator, &options);
-        all.push(measured.with_context(|| format!("`{}` cannot be measured", probe.name))?);
+    let (ran, measured) = precision::run(&probes, &*evaluator, &options, &folder, &mut |probe| {
+        bar.set_message(probe.to_owned());
         bar.inc(1);
-    }
+    })?;
     bar.finish_and_clear();
-    let about = format!(
-        "Lightloom {}; f32 by {}; {} samples of each of {} magnitudes.",
-        env!("CARGO_PKG_VERSION"),
-        evaluator.name(),
-        args.samples,
-        args.magnitudes
-    );
-    let record = precision::json(&all);
-    std::fs::create_dir_all(&args.out)
-        .with_context(|| format!("the folder {} cannot be made", args.out.display()))?;
-    let page = args.out.join("report.html");
-    write(&args.out.join("probes.json"), &format!("{record:#}\n"))?;
-    write(&page, &precision::html(&all, &about))?;
+    let table = precision::table(&measured);
+    let page = study::report_with(&ran.results, &folder, std::slice::from_ref(&table))?.swap_remove(0);
     if context.json {
-        output::json(&json!({ "report": page, "by": evaluator.name(), "probes": record }));
+        output::json(&summary(&ran.results, &page, Some(ran.run)));
     } else {
-        stdout!("{}", precision::table(&all).text());
+        stdout!("{}", table.text());
         stdout!("{}", page.display());
     }
-    let exceeding = all.iter().filter(|measured| !measured.holds()).count();
+    fail_if_any(&ran.results, context.json)?;
+    let exceeding = measured.iter().filter(|measured| !measured.holds()).count();
     if exceeding > 0 {
-        bail!("{exceeding} of {} probes exceed their bound; {} shows where", all.len(), page.display());
+        bail!("{exceeding} of {} probes exceed their bound; {} shows where", probes.len(), page.display());
     }
     Ok(())
 }
 
-/// Returns the probes of these names and files; all if there are none.
-fn chosen(context: &Context, names: &[String]) -> Result<Vec<Probe>> {
+/// Returns the probes of the tree and, of the names that are given, those of files.
+fn probes(context: &Context, names: &[String]) -> Result<Vec<Probe>> {
     let library = context.catalog.shaders();
-    let all = precision::paths(library);
-    let stem = |path: &str| path.trim_start_matches(precision::FOLDER).trim_end_matches(".wgsl").to_owned();
-    let mut paths = Vec::new();
-    for name in names {
-        if name.ends_with(".wgsl") {
-            paths.push(name.clone());
-        } else if let Some(path) = all.iter().find(|path| stem(path) == *name) {
-            paths.push(path.clone());
-        } else {
-            let stems: Vec<String> = all.iter().map(|path| stem(path)).collect();
-            return Err(unknown("probe", name, &stems, "precision --list"));
+    let files = names.iter().filter(|name| name.ends_with(".wgsl")).cloned();
+    let load = |path: String| -> Result<Probe> {
+        let mut probe = Probe::load(library, &path)?;
+        // A file is chosen by its path.
+        if !path.starts_with(precision::FOLDER) {
+            probe.name = path;
         }
-    }
-    let paths = if names.is_empty() { all } else { paths };
-    paths.iter().map(|path| Ok(Probe::load(library, path)?)).collect()
+        Ok(probe)
+    };
+    precision::paths(library).into_iter().chain(files).map(load).collect()
 }
 
 /// Returns the GPU, if there is one and it is requested.

@@ -1,13 +1,12 @@
 //! `lightloom stress`: every pipeline at the extremes.
 
-use super::lists::print;
-use super::study::{GpuLaboratory, Progress};
-use crate::context::{Context, parse_set, parse_size, set_text, unknown};
-use crate::output::{self, stdout, write};
+use super::cases::CaseArgs;
+use super::study::{GpuLaboratory, Progress, summary};
+use crate::context::{Context, parse_set, parse_size, set_text};
+use crate::output::{self, stdout};
 use anyhow::{Result, bail};
 use frame_graph::{LinkContext, Overrides, Value};
 use renderer::{Compiled, compile_options};
-use serde_json::json;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
@@ -23,22 +22,15 @@ use study::{Laboratory, RunOptions, Shard};
 #[derive(clap::Args)]
 #[command(after_help = "Examples:
   lightloom stress -o out/stress
-  lightloom stress -o out/stress --pipeline ism --pipeline acrsm --case 'far*' --case 'cone*'
+  lightloom stress 'far*' 'cone*' --pipeline ism --pipeline acrsm
   lightloom stress -o out/stress --pipeline tcas --settings --pairs 32
-  lightloom stress -o out/stress --case plain --long 10000 --size 32x32")]
+  lightloom stress plain --long 10000 --size 32x32")]
 pub(crate) struct Args {
-    /// The folder for scenes, pictures of defects and the report
-    #[arg(short, long = "out", value_name = "DIR", default_value = "out/stress")]
-    out: PathBuf,
+    #[command(flatten)]
+    cases: CaseArgs,
     /// A pipeline, by name or .ron file; all by default. May be repeated
     #[arg(long)]
     pipeline: Vec<String>,
-    /// A case by name, or several as far*; all by default. May be repeated
-    #[arg(long)]
-    case: Vec<String>,
-    /// List the cases
-    #[arg(long)]
-    list: bool,
     /// Also try both ends of the range of each setting
     #[arg(long)]
     settings: bool,
@@ -67,28 +59,28 @@ pub(crate) struct Args {
     /// A folder for references, shared with other runs and shards
     #[arg(long, value_name = "DIR")]
     references: Option<PathBuf>,
-    /// Time limit of one picture, in seconds
-    #[arg(long, default_value_t = 120)]
-    limit: u64,
+    /// Seconds after which the process of one picture is killed
+    #[arg(long, value_name = "SECONDS", default_value_t = 120, value_parser = clap::value_parser!(u64).range(1..))]
+    isolated: u64,
 }
 
 pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
-    let cases = chosen(&args.case)?;
-    if args.list {
-        let about = |case: Case| (case.name, format!("{}: {}", case.group, case.about));
-        print(context, &cases.into_iter().map(about).collect::<Vec<_>>());
-        return Ok(());
-    }
+    let all = stress::cases();
+    let names: Vec<(String, String)> =
+        all.iter().map(|case| (case.name.clone(), format!("{}: {}", case.group, case.about))).collect();
+    let Some(chosen) = args.cases.chosen(context, "stress", &names)? else { return Ok(()) };
+    let cases: Vec<Case> = chosen.into_iter().map(|index| all[index].clone()).collect();
+    let folder = args.cases.folder("stress");
     let subjects = subjects(context, args)?;
     let command = "lightloom stress -o DIR".to_owned();
     let options = Options {
-        folder: args.out.clone(),
+        folder: folder.clone(),
         size: args.size,
         set: args.set.iter().map(|(path, value)| (path.clone(), value.to_argument())).collect(),
         // A pixel is what its centre sees, as in a G-buffer: in a frame of few pixels its mean is another thing.
         set_reference: vec![("filter".to_owned(), "centre".to_owned())],
         samples: args.samples,
-        limit: Duration::from_secs(args.limit),
+        limit: Duration::from_secs(args.isolated),
         study: RunOptions {
             shard: args.shard.clone(),
             references: args.references.clone(),
@@ -104,14 +96,17 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let (mut results, cells) =
         stress::run(lab, &subjects, &cases, &options, &mut |event| progress.report(event))?;
     progress.finish();
-    results.study.about = about(args);
-    study::report_with(&results, &args.out, &stress::tables(&cells, &shown(args, &cases)))?;
-    let page = args.out.join("report.html");
-    write(&args.out.join("cells.json"), &format!("{:#}\n", stress::json(&cells)))?;
+    (results.study.about, results.study.size) = (about(args), args.size);
+    stress::add(&mut results, &cells);
+    // A part has no verdicts of its own.
+    if args.shard.is_none() {
+        study::keep(&results, &folder)?;
+    }
+    let tables = stress::tables(&cells, &shown(args, &cases));
+    let page = study::report_with(&results, &folder, &tables)?.swap_remove(0);
     let defects: Vec<&Cell> = cells.iter().filter(|cell| cell.is_defect()).collect();
     if context.json {
-        let record = stress::json(&cells);
-        output::json(&json!({ "report": page, "verdicts": record["verdicts"], "cells": record["cells"] }));
+        output::json(&summary(&results, &page, None));
     } else {
         for cell in &defects {
             stdout!("{:<11} {} · {}", cell.verdict.word(), cell.pipeline, cell.case);
@@ -149,23 +144,6 @@ fn about(args: &Args) -> String {
 fn shown(args: &Args, cases: &[Case]) -> Vec<Case> {
     let long = args.long.map(|frames| stress::long(frames, false));
     cases.iter().cloned().chain(long.into_iter().flatten()).collect()
-}
-
-/// Returns the cases of these names; all if there are none. `far*` stands for all that begin with `far`.
-fn chosen(names: &[String]) -> Result<Vec<Case>> {
-    let all = stress::cases();
-    let is = |name: &str, case: &Case| match name.strip_suffix('*') {
-        Some(beginning) => case.name.starts_with(beginning),
-        None => case.name == name,
-    };
-    for name in names {
-        if !all.iter().any(|case| is(name, case)) {
-            let known: Vec<String> = all.iter().map(|case| case.name.clone()).collect();
-            return Err(unknown("case", name, &known, "stress --list"));
-        }
-    }
-    let wanted = |case: &Case| names.is_empty() || names.iter().any(|name| is(name, case));
-    Ok(all.into_iter().filter(wanted).collect())
 }
 
 /// Returns the pipelines with their settings. Without names, all that output indirect light except the reference.

@@ -28,8 +28,8 @@ use std::time::Duration;
 use study::{
     AxisValue, Costs, Edits, Outcome, Plan, Ran, Results, RunOptions, SHARD_MINUTES, Shard, UNKNOWN_SECONDS,
 };
+pub(crate) use summary::{fail_if_any, failures, failures_json, print_failures, summary};
 use summary::{failed, report, shard_report};
-pub(crate) use summary::{failures, failures_json, print_failures};
 use warnings::warnings;
 pub(crate) use warnings::{MOST_RUNS, without_effect};
 

@@ -10,6 +10,9 @@ use report::{AxisKind, Line, MOST_DASHES, Point, Series, XyAxis, XyChart, number
 /// axes.
 pub(super) const MOST_COMBINATIONS: usize = 16;
 
+/// The greatest number of values of an axis that each have a tick.
+const MOST_TICKS: usize = 16;
+
 /// Returns charts of each error of a scene against GPU time.
 pub(super) fn against_time(digest: &Digest<'_>, scene: usize) -> Vec<Figure> {
     let varied = digest.varied();
@@ -100,7 +103,6 @@ fn time_chart(
         front_rises: measure.better == Better::Higher,
         front,
         series,
-        ..XyChart::default()
     };
     Some(Figure {
         kind: Kind::ErrorTime,
@@ -171,12 +173,14 @@ fn axis_chart(
     let at = if with.is_empty() { String::new() } else { format!(" with {with}") };
     let caption = format!("{about}{at}. {}", intervals(&points));
     let unit = if info.unit.is_empty() { String::new() } else { format!(" [{}]", info.unit) };
-    let kind = if numeric {
+    let kind = if !numeric {
+        AxisKind::Choices(values.iter().map(ToString::to_string).collect())
+    } else if values.len() > MOST_TICKS {
+        AxisKind::Quantity
+    } else {
         let numbers =
             values.iter().filter_map(|v| if let AxisValue::Number(n) = v { Some(*n) } else { None });
         AxisKind::Values(numbers.collect())
-    } else {
-        AxisKind::Choices(values.iter().map(ToString::to_string).collect())
     };
     let chart = XyChart {
         about,

@@ -3,8 +3,9 @@
 
 use std::fmt::Write;
 
+use crate::record::heading;
 use crate::report::digest::Digest;
-use crate::{Cell, Outcome, ReferenceRecord, Results};
+use crate::{Cell, Outcome, ReferenceRecord, Results, StudyRecord};
 use report::escape::html;
 use report::{number, plain_table};
 
@@ -54,20 +55,7 @@ pub(super) fn references(results: &Results) -> String {
 /// Returns the section on scenes, pipelines, axes, and the study file itself.
 pub(super) fn setup(results: &Results) -> String {
     let study = &results.study;
-    let mut out = String::from("<h3>Scenes</h3>\n");
-    let scenes = study.scenes.iter().map(|scene| {
-        let triangles = scene.triangles.to_string();
-        vec![html(&scene.name), html(&scene.about), triangles, format!("<code>{}</code>", html(&scene.hash))]
-    });
-    out += &plain_table(&["Scene", "Shows", "Triangles", "Hash"], scenes);
-    out.push_str("<h3>Pipelines</h3>\n");
-    let pipelines = study.pipelines.iter().map(|pipeline| {
-        let set: Vec<String> =
-            pipeline.set.iter().map(|(name, value)| format!("{name} = {}", value)).collect();
-        let file = format!("<code>{}</code>", html(&pipeline.pipeline));
-        vec![html(&pipeline.name), file, html(&pipeline.about), html(&pipeline.paper), html(&set.join(", "))]
-    });
-    out += &plain_table(&["Name", "Pipeline", "Renders", "Paper", "With"], pipelines);
+    let mut out = if study.output.is_empty() { cases(study) } else { scenes(study) };
     if !study.axes.is_empty() {
         out.push_str("<h3>Axes</h3>\n");
         let axes = study.axes.iter().map(|axis| {
@@ -84,12 +72,38 @@ pub(super) fn setup(results: &Results) -> String {
     if !study.command.is_empty() {
         let _ = writeln!(out, "<h3>Command</h3>\n<pre>{}</pre>", html(&study.command));
     }
-    let _ = write!(
-        out,
-        "<h3>Description</h3>\n<div class=copyable><button type=button class=copy>Copy</button><pre>{}</pre></div>\n",
-        html(&study.source)
-    );
+    if !study.source.is_empty() {
+        let _ = write!(
+            out,
+            "<h3>Description</h3>\n<div class=copyable><button type=button class=copy>Copy</button><pre>{}</pre></div>\n",
+            html(&study.source)
+        );
+    }
     out
+}
+
+/// Returns the tables of scenes and pipelines.
+fn scenes(study: &StudyRecord) -> String {
+    let scenes = study.scenes.iter().map(|scene| {
+        let triangles = scene.triangles.to_string();
+        vec![html(&scene.name), html(&scene.about), triangles, format!("<code>{}</code>", html(&scene.hash))]
+    });
+    let scenes = plain_table(&["Scene", "Shows", "Triangles", "Hash"], scenes);
+    let pipelines = study.pipelines.iter().map(|pipeline| {
+        let set: Vec<String> =
+            pipeline.set.iter().map(|(name, value)| format!("{name} = {}", value)).collect();
+        let file = format!("<code>{}</code>", html(&pipeline.pipeline));
+        vec![html(&pipeline.name), file, html(&pipeline.about), html(&pipeline.paper), html(&set.join(", "))]
+    });
+    let pipelines = plain_table(&["Name", "Pipeline", "Renders", "Paper", "With"], pipelines);
+    format!("<h3>Scenes</h3>\n{scenes}<h3>Pipelines</h3>\n{pipelines}")
+}
+
+/// Returns the table of cases that are no scenes.
+fn cases(study: &StudyRecord) -> String {
+    let rows = study.scenes.iter().map(|case| vec![html(&case.name), html(&case.about)]);
+    let case = html(&heading(&study.words.case));
+    format!("<h3>{case}s</h3>\n{}", plain_table(&[&case, "Is"], rows))
 }
 
 /// Returns the section on the measures.
@@ -107,12 +121,14 @@ pub(super) fn cells(digest: &Digest<'_>) -> String {
     if results.cells.is_empty() {
         return "<p class=note>No cell has run yet.</p>\n".to_owned();
     }
-    let mut out = String::from(
+    let [case, subject] =
+        [&results.study.words.case, &results.study.words.subject].map(|word| html(&heading(word)));
+    let mut out = format!(
         "<details>\n<summary>All cells and their provenance</summary>\n<div class=filter>\
          <label>Filter <input type=search id=cell-filter placeholder=\"words, in any order\"></label>\
          <label><input type=checkbox id=cell-failed> only failed</label>\
          <output id=cell-count></output></div>\n<div class=scroll><table id=cell-table>\n<thead><tr>\
-         <th scope=col>Scene</th><th scope=col>Pipeline</th><th scope=col>Values</th>\
+         <th scope=col>{case}</th><th scope=col>{subject}</th><th scope=col>Values</th>\
          <th scope=col class=number>Seed</th><th scope=col>Outcome</th><th scope=col class=number>Frames</th>\
          <th scope=col class=number>Took [s]</th><th scope=col>Cell</th></tr></thead>\n",
     );

@@ -3,20 +3,25 @@
 use crate::description::{Claim, Pick, Pins, Relation};
 use crate::interval::Interval;
 use crate::phase::info_of;
+use crate::record::heading;
 use crate::report::digest::Digest;
 use crate::{Finding, MeasureInfo, Verdict};
 use report::{Column, Entry, Measured, Table, number};
 
-/// Returns the table; `None` for a study without claims.
+/// The greatest number of rows that list also what holds.
+const MOST: usize = 200;
+
+/// Returns the table; `None` for a study without claims. Of many claims it has those that do not hold.
 pub(in crate::report) fn of_claims(digest: &Digest<'_>) -> Option<Table> {
     let findings = digest.results.findings();
     if findings.is_empty() {
         return None;
     }
+    let is_shown = |finding: &&Finding<'_>| findings.len() <= MOST || finding.verdict != Some(Verdict::Holds);
     let mut columns = vec![
         Column::text("Claim", ""),
         Column::text("From", "Where it is said"),
-        Column::text("Scene", ""),
+        Column::text(&heading(&digest.results.study.words.case), ""),
         Column::text("Measured", "Means in the order of the claim"),
         Column::text("Result", ""),
     ];
@@ -49,8 +54,14 @@ pub(in crate::report) fn of_claims(digest: &Digest<'_>) -> Option<Table> {
             caption += &format!(", {} are {what}", count(verdict));
         }
     }
-    caption += ". Each is about means over all finished cells of a scene; it is decided where the 95 % interval of \
-                the difference, seed by seed, is on one side.";
+    if findings.len() > MOST {
+        caption += ", and only the others are listed";
+    }
+    caption += &format!(
+        ". Each is about means over all finished cells of a {}; it is decided where the 95 % interval of the difference, seed by \
+         seed, is on one side.",
+        digest.results.study.words.case
+    );
     let noise = |finding: &Finding<'_>| {
         let study = &digest.results.study;
         finding.scenes.iter().any(|scene| study.noise(scene, &finding.claim.measure.value).is_some())
@@ -62,7 +73,12 @@ pub(in crate::report) fn of_claims(digest: &Digest<'_>) -> Option<Table> {
         caption += " An exponent is that of the upper half of its axis, where fixed costs matter least; that over the \
                     whole axis follows.";
     }
-    Some(Table { name: "claims".to_owned(), caption, columns, rows: findings.iter().map(row).collect() })
+    Some(Table {
+        name: "claims".to_owned(),
+        caption,
+        columns,
+        rows: findings.iter().filter(is_shown).map(row).collect(),
+    })
 }
 
 fn verdict_entry(verdict: Option<Verdict>) -> Entry {

@@ -1,9 +1,9 @@
 //! The cost of a frame on the CPU, beside the same calls of wgpu made by hand.
 
+use super::Bench;
 use super::graph::{chain, milliseconds};
 use super::running::Running;
 use super::table::{Goal, Row, Section, Spread};
-use super::{Bench, Figure};
 use anyhow::{Context as _, Result, ensure};
 use executor::wgpu::{BindGroup, Buffer, BufferDescriptor, BufferUsages, ComputePipeline};
 use executor::{Executor, FrameOptions, Gpu};
@@ -72,7 +72,7 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
         SIZE.1,
         bench.args.runs * REPEATS
     );
-    Ok(Section { figure: Figure::Encode, rows, note })
+    Ok(Section { rows, note })
 }
 
 /// The gather and the blurs after it, in the order of the plan.

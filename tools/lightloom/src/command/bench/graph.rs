@@ -1,7 +1,7 @@
 //! The cost of the frame graph: compiling it, and the memory of its plans.
 
+use super::Bench;
 use super::table::{Goal, Row, Section, Spread};
-use super::{Bench, Figure};
 use anyhow::Result;
 use frame_graph::{
     CompileOptions, Description, Graph, LinkContext, Overrides, Plan, Resolved, Source, compile, link, parse,
@@ -80,14 +80,14 @@ pub(super) fn compiling(bench: &Bench<'_>) -> Result<Section> {
     let [parsing, planning] = [parsing, planning].map(|times| Spread::of(times[1..].to_vec()));
     let rows = vec![
         Row::new(format!("{passes} passes, parsed file to plan"), planning, "ms")
-            .goal(Goal::Below(1.0), "own, two cores"),
+            .goal(Goal::AtMost(1.0), "own, two cores"),
         Row::new(format!("{passes} passes, text to parsed file"), parsing, "ms"),
     ];
     let note = format!(
         "a G-buffer, a light and a chain of blurs, 512×512; resolve, link and compile, without shaders; {} runs.",
         bench.args.runs * REPEATS
     );
-    Ok(Section { figure: Figure::Compile, rows, note })
+    Ok(Section { rows, note })
 }
 
 pub(super) fn memory(bench: &Bench<'_>) -> Result<Section> {
@@ -119,7 +119,7 @@ pub(super) fn memory(bench: &Bench<'_>) -> Result<Section> {
         "bytes of shared objects over the largest sum alive at once, {}×{} pixels, cornell-box; counted, not timed. Whole objects are shared: textures of one format and size, or buffers. No plan can be below the bounds of these sorts, added up.",
         frame.0, frame.1
     );
-    Ok(Section { figure: Figure::Memory, rows, note })
+    Ok(Section { rows, note })
 }
 
 /// Returns the largest sums alive at once, each of resources that can share an object at all: textures of one shape, or

@@ -7,7 +7,7 @@ use super::running::Running;
 #[cfg(feature = "native-rays")]
 use super::table::Goal;
 use super::table::{Row, Section, Spread};
-use super::{Bench, Figure, label};
+use super::{Bench, label};
 use anyhow::{Context as _, Result};
 use executor::FrameOptions;
 use frame_graph::{Overrides, Value};
@@ -53,7 +53,7 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
         "{side}×{side} rays of the camera; from what they see one each over the cosine, diffuse. One ray a thread, to any distance; only rays that exist are counted. {}.",
         sizes.join(", ")
     );
-    Ok(Section { figure: Figure::Rays, rows, note })
+    Ok(Section { rows, note })
 }
 
 /// A scene with the pipeline. The renderer has no choice of variants of a user's shader, so the executor is driven here.

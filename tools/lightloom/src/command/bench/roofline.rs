@@ -7,7 +7,7 @@ mod probe;
 mod work;
 
 use super::table::{Goal, Row, Section, Spread};
-use super::{Bench, Figure, label};
+use super::{Bench, label};
 use anyhow::{Context as _, Result};
 use ceiling::{Ceilings, Measured};
 use frame_graph::{Overrides, Value};
@@ -53,7 +53,7 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
         label(scene(bench)),
         frames[0].1.scene().triangles(),
     );
-    Ok(Section { figure: Figure::Roofline, rows, note })
+    Ok(Section { rows, note })
 }
 
 /// Returns the first scene that is given, or the atrium, which has about the structure of Sponza.

@@ -1,12 +1,12 @@
 //! Figures with their goals.
 
-use super::{Args, Figure};
-use crate::output::stdout;
-use clap::ValueEnum as _;
+use super::Figure;
 use metrics::statistics::median;
-use renderer::Gpu;
-use report::{Column, Entry, number};
+use report::{Column, Entry, Table, number};
 use serde_json::{Value, json};
+use study::{
+    Better, Cell, Claim, MeasureInfo, Pick, PipelineRecord, Relation, SceneRecord, StudyRecord, Words,
+};
 
 /// Median of several runs, with the least and the greatest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,7 +59,6 @@ impl Spread {
 pub(super) enum Goal {
     AtLeast(f64),
     AtMost(f64),
-    Below(f64),
 }
 
 impl Goal {
@@ -67,7 +66,6 @@ impl Goal {
         match self {
             Goal::AtLeast(least) => value >= least,
             Goal::AtMost(most) => value <= most,
-            Goal::Below(bound) => value < bound,
         }
     }
 
@@ -75,7 +73,6 @@ impl Goal {
         match self {
             Goal::AtLeast(least) => ('≥', least),
             Goal::AtMost(most) => ('≤', most),
-            Goal::Below(bound) => ('<', bound),
         }
     }
 }
@@ -125,100 +122,115 @@ impl Row {
         [self.name.clone(), measured, goal, met.to_owned(), self.from.to_owned(), counts.join(", ")]
     }
 
-    fn to_json(&self, figure: &str) -> Value {
-        let goal = self.goal.map(|goal| {
-            let (sign, value) = goal.sign_and_value();
-            json!({ "sign": sign.to_string(), "value": value })
-        });
+    /// Returns the measure of its unit.
+    fn info(&self) -> MeasureInfo {
+        let (key, label) = match self.unit {
+            "×" => ("ratio", "ratio"),
+            "s" | "ms" | "µs" => (self.unit, "time"),
+            unit => (unit, "rate"),
+        };
+        MeasureInfo {
+            key: key.to_owned(),
+            label: label.to_owned(),
+            unit: if key == label { String::new() } else { self.unit.to_owned() },
+            // Rows are of different things.
+            better: Better::Neither,
+            doc: "The median of the runs".to_owned(),
+            is_error: false,
+        }
+    }
+
+    /// Returns its cell.
+    fn cell(&self) -> Cell {
+        let Spread { median, least, greatest } = self.measured;
         let counts: serde_json::Map<String, Value> =
             self.counts.iter().map(|(name, count)| ((*name).to_owned(), json!(count))).collect();
-        json!({
-            "figure": figure,
-            "name": self.name,
-            "median": self.measured.median,
-            "least": self.measured.least,
-            "greatest": self.measured.greatest,
-            "unit": self.unit,
-            "goal": goal,
-            "met": self.goal.map(|goal| goal.met(self.measured.median)),
-            "from": self.from,
-            "counts": counts,
+        Cell {
+            pipeline: self.name.clone(),
+            measures: [(self.info().key, Some(median))].into(),
+            details: json!({ "least": least, "greatest": greatest, "from": self.from, "counts": counts }),
+            ..Cell::default()
+        }
+    }
+
+    /// Returns its goal in a figure.
+    fn claim(&self, figure: &str) -> Option<Claim> {
+        let (at_least, at_most) = match self.goal? {
+            Goal::AtLeast(least) => (Some(least), None),
+            Goal::AtMost(most) => (None, Some(most)),
+        };
+        let of = Pick { pipeline: self.name.clone().into(), at: Vec::new() };
+        Some(Claim {
+            measure: self.info().key.into(),
+            relation: Relation::Bound { of, at_least, at_most },
+            at: Vec::new(),
+            scenes: vec![figure.to_owned().into()],
+            says: self.from.to_owned(),
+            because: String::new(),
         })
     }
 }
 
 /// The rows of a figure, and a note on their measurement.
 pub(super) struct Section {
-    pub(super) figure: Figure,
     pub(super) rows: Vec<Row>,
     pub(super) note: String,
 }
 
-/// Whether CPU times are those of a release.
-const OPTIMISED: bool = !cfg!(debug_assertions);
-
-/// All measurements, with the machine.
-pub(super) struct Table<'a> {
-    sections: Vec<Section>,
-    adapter: Option<String>,
-    cores: usize,
-    args: &'a Args,
+impl Section {
+    /// Returns the cells of a figure of the study, and adds what is said of them to the study.
+    pub(super) fn cells(&self, study: &mut StudyRecord, figure: usize) -> Vec<Cell> {
+        let case = &mut study.scenes[figure];
+        case.about.clone_from(&self.note);
+        study.claims.extend(self.rows.iter().filter_map(|row| row.claim(&case.name)));
+        for row in &self.rows {
+            let (info, name) = (row.info(), &row.name);
+            if study.measures.iter().all(|known| known.key != info.key) {
+                study.measures.push(info);
+            }
+            if study.pipelines.iter().all(|known| known.name != *name) {
+                let (name, pipeline) = (name.clone(), name.clone());
+                study.pipelines.push(PipelineRecord { name, pipeline, ..PipelineRecord::default() });
+            }
+        }
+        self.rows.iter().map(Row::cell).collect()
+    }
 }
 
-impl Table<'_> {
-    pub(super) fn new<'a>(mut sections: Vec<Section>, gpu: Option<&Gpu>, args: &'a Args) -> Table<'a> {
-        // What a pass can take at least follows from its size.
-        let sized = sections.iter_mut().filter(|section| section.figure != Figure::Roofline && args.quick);
-        for row in sized.flat_map(|section| &mut section.rows) {
-            (row.goal, row.from) = (None, "");
-        }
-        let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        Table { sections, adapter: gpu.map(Gpu::describe), cores, args }
+/// Returns the study of figures before anything is measured.
+pub(super) fn blank(figures: &[&Figure], runs: u32, quick: bool) -> StudyRecord {
+    let case = |figure: &&Figure| SceneRecord {
+        name: figure.name.to_owned(),
+        about: figure.about.to_owned(),
+        hash: String::new(),
+        triangles: 0,
+    };
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    StudyRecord {
+        name: "bench".to_owned(),
+        title: "Costs on this machine".to_owned(),
+        about: "Medians of runs, with the least and the greatest, beside the goals".to_owned(),
+        words: Words { case: "figure".to_owned(), subject: "what".to_owned() },
+        budget: format!(
+            "{runs} runs after the first, {cores} CPU cores{}{}",
+            // CPU times are not those of a release.
+            if cfg!(debug_assertions) { ", built without full optimisation" } else { "" },
+            if quick { "; a quick preview, to which the goals do not apply" } else { "" },
+        ),
+        scenes: figures.iter().map(case).collect(),
+        ..StudyRecord::default()
     }
+}
 
-    pub(super) fn print(&self) {
-        let titles = ["what", "measured", "goal", "met", "from", "counts"];
-        let rows = self.sections.iter().flat_map(|section| &section.rows);
-        let table = report::Table {
-            columns: titles.map(|title| Column::text(title, "")).into(),
-            rows: rows.map(|row| row.cells().map(Entry::Text).into()).collect(),
-            ..report::Table::default()
-        };
-        let text = if self.args.markdown { table.markdown() } else { table.text() };
-        stdout!("{}", text.trim_start());
-        self.notes().for_each(|(name, note)| stdout!("- `{name}`: {note}"));
-        let adapter = self.adapter.as_deref().unwrap_or("no adapter was requested");
-        stdout!(
-            "\nLightloom {}{}; {adapter}, {} CPU cores. Medians (least–greatest); runs after the first: {}{}.",
-            env!("CARGO_PKG_VERSION"),
-            if OPTIMISED { "" } else { ", built without full optimisation" },
-            self.cores,
-            self.args.runs,
-            if self.args.quick { "; a quick preview, to which the goals do not apply" } else { "" },
-        );
-    }
-
-    pub(super) fn to_json(&self) -> Value {
-        let rows = self.sections.iter().flat_map(|section| {
-            let figure = name(section.figure);
-            section.rows.iter().map(move |row| row.to_json(&figure))
-        });
-        let notes: serde_json::Map<String, Value> =
-            self.notes().map(|(name, note)| (name, json!(note))).collect();
-        json!({
-            "version": env!("CARGO_PKG_VERSION"),
-            "optimised": OPTIMISED,
-            "adapter": self.adapter,
-            "cores": self.cores,
-            "runs": self.args.runs,
-            "quick": self.args.quick,
-            "rows": rows.collect::<Vec<_>>(),
-            "notes": notes,
-        })
-    }
-
-    fn notes(&self) -> impl Iterator<Item = (String, &str)> {
-        self.sections.iter().map(|section| (name(section.figure), section.note.as_str()))
+/// Returns the table of all rows.
+pub(super) fn of_rows(sections: &[Section]) -> Table {
+    let titles = ["what", "measured", "goal", "met", "from", "counts"];
+    let rows = sections.iter().flat_map(|section| &section.rows);
+    Table {
+        name: "Figures".to_owned(),
+        caption: "Medians, with the least and the greatest.".to_owned(),
+        columns: titles.map(|title| Column::text(title, "")).into(),
+        rows: rows.map(|row| row.cells().map(Entry::Text).into()).collect(),
     }
 }
 
@@ -230,11 +242,6 @@ fn rounded(count: u64) -> String {
         1_000_000..1_000_000_000 => format!("{} M", number::short(count as f64 / 1e6, 3)),
         _ => format!("{} G", number::short(count as f64 / 1e9, 3)),
     }
-}
-
-/// Returns the name that `--only` takes.
-fn name(figure: Figure) -> String {
-    figure.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
 #[cfg(test)]
@@ -257,7 +264,29 @@ mod tests {
     fn goals_are_met_or_not() {
         assert!(Goal::AtLeast(30.0).met(30.0) && !Goal::AtLeast(30.0).met(29.9));
         assert!(Goal::AtMost(1.05).met(1.05) && !Goal::AtMost(1.05).met(1.06));
-        assert!(Goal::Below(1.0).met(0.99) && !Goal::Below(1.0).met(1.0));
+    }
+
+    #[test]
+    fn a_goal_is_a_claim_of_its_figure() {
+        let figures = [&super::super::FIGURES[0]];
+        let study = |goal| {
+            let row = Row::new("maps", Spread::exact(25.0), "×").goal(goal, "ISM §5");
+            let (note, rows) = ("note".to_owned(), vec![row, Row::new("frames", Spread::exact(2.0), "ms")]);
+            let folder = tempfile::tempdir().unwrap();
+            let section = Section { rows, note };
+            let blank = blank(&figures, 3, false);
+            let ran =
+                study::measure_cases(blank, folder.path(), &mut |study, case| Ok(section.cells(study, case)));
+            ran.unwrap().results
+        };
+        for (goal, verdict) in
+            [(Goal::AtLeast(30.0), study::Verdict::Fails), (Goal::AtMost(30.0), study::Verdict::Holds)]
+        {
+            let results = study(goal);
+            let findings = results.findings();
+            assert_eq!(findings.iter().map(|finding| finding.verdict).collect::<Vec<_>>(), [Some(verdict)]);
+            assert_eq!((findings[0].scenes.as_slice(), results.cells.len()), (&["rays"][..], 2));
+        }
     }
 
     #[test]

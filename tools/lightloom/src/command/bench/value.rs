@@ -1,8 +1,8 @@
 //! The time from a value that a slider sets to the next frame.
 
+use super::Bench;
 use super::graph::milliseconds;
 use super::table::{Goal, Row, Section, Spread};
-use super::{Bench, Figure};
 use anyhow::Result;
 use frame_graph::{Overrides, Value};
 use renderer::Renderer;
@@ -40,11 +40,11 @@ pub(super) fn measure(bench: &Bench<'_>) -> Result<Section> {
         // In the first, shaders may be compiled.
         let times = Spread::of(times[1..].to_vec());
         let row = Row::new(format!("{path}: {reach}"), times, "ms");
-        rows.push(if same_sizes { row.goal(Goal::Below(1.0), "own, two cores") } else { row });
+        rows.push(if same_sizes { row.goal(Goal::AtMost(1.0), "own, two cores") } else { row });
     }
     let note = format!(
         "`set_value` in `{PIPELINE}` at {side}², without the frame that follows; {} runs.",
         bench.args.runs * REPEATS
     );
-    Ok(Section { figure: Figure::Value, rows, note })
+    Ok(Section { rows, note })
 }

@@ -2,10 +2,10 @@
 
 use crate::context::Context;
 use crate::output::{self, stdout};
-use anyhow::Result;
-use serde_json::json;
+use anyhow::{Result, bail};
+use serde_json::{Value, json};
 use std::path::Path;
-use study::{Outcome, Ran, Results, Verdict};
+use study::{Cell, Finding, Outcome, Ran, Results, Verdict};
 
 /// Returns the message at the end of a run with failed cells.
 pub(super) fn failed(count: usize) -> String {
@@ -48,7 +48,7 @@ pub(crate) fn failures(results: &Results) -> Vec<(String, &str)> {
     failures.collect()
 }
 
-pub(crate) fn failures_json(failures: &[(String, &str)]) -> serde_json::Value {
+pub(crate) fn failures_json(failures: &[(String, &str)]) -> Value {
     failures.iter().map(|(cell, error)| json!({ "cell": cell, "error": error })).collect()
 }
 
@@ -58,49 +58,72 @@ pub(crate) fn print_failures(failures: &[(String, &str)]) {
     }
 }
 
+/// Returns what commands that measure cells print as JSON: numbers of cells, the record of each, the cells that failed, and
+/// the claims.
+pub(crate) fn summary(results: &Results, page: &Path, run: Option<usize>) -> Value {
+    let page = page.canonicalize().unwrap_or_else(|_| page.to_owned());
+    let findings = results.findings();
+    let [hold, fail, undecided, not_measured] = counted(&findings);
+    let record = |cell: &Cell| {
+        json!({
+            "cell": study::name_of(cell), "key": cell.key, "scene": cell.scene, "pipeline": cell.pipeline, "axes": cell.axes,
+            "seed": cell.seed, "measures": cell.measures, "details": cell.details, "images": cell.images,
+        })
+    };
+    json!({
+        "study": results.study.name,
+        "adapter": results.study.adapter,
+        "report": page,
+        "cells": results.cells.len(),
+        "missing": results.study.cell_count.saturating_sub(results.cells.len()),
+        "run": run,
+        "failed": failures_json(&failures(results)),
+        "records": results.cells.iter().map(record).collect::<Vec<_>>(),
+        "claims": { "hold": hold, "fail": fail, "undecided": undecided, "not_measured": not_measured },
+        "findings": findings,
+    })
+}
+
+/// Returns the numbers of claims that hold, that do not, that are not decided and that are not measured.
+fn counted(findings: &[Finding<'_>]) -> [usize; 4] {
+    let count = |verdict| findings.iter().filter(|finding| finding.verdict == verdict).count();
+    [Some(Verdict::Holds), Some(Verdict::Fails), Some(Verdict::Undecided), None].map(count)
+}
+
+/// Prints the cells that failed, and fails if there are any.
+pub(crate) fn fail_if_any(results: &Results, as_json: bool) -> Result<()> {
+    let failures = failures(results);
+    if !as_json {
+        print_failures(&failures);
+    }
+    match failures.len() {
+        0 => Ok(()),
+        count => bail!("{}", failed(count)),
+    }
+}
+
 /// Writes the report and prints a summary.
 pub(super) fn report(context: &Context, results: &Results, folder: &Path, run: Option<usize>) -> Result<()> {
-    let files = study::report(results, folder)?;
-    let page = files.first().map(|page| page.canonicalize().unwrap_or_else(|_| page.clone()));
-    let failures = failures(results);
-    let missing = results.study.cell_count.saturating_sub(results.cells.len());
-    let findings = results.findings();
-    let claims = |verdict| findings.iter().filter(|finding| finding.verdict == verdict).count();
-    let [hold, fail, undecided, not_measured] =
-        [Some(Verdict::Holds), Some(Verdict::Fails), Some(Verdict::Undecided), None].map(claims);
+    let page = study::report(results, folder)?.swap_remove(0);
     if context.json {
-        let pictures: Vec<_> = results
-            .cells
-            .iter()
-            .map(|cell| json!({ "cell": study::name_of(cell), "key": cell.key, "images": cell.images }))
-            .collect();
-        output::json(&json!({
-            "study": results.study.name,
-            "report": page,
-            "cells": results.cells.len(),
-            "missing": missing,
-            "run": run,
-            "failed": failures_json(&failures),
-            "pictures": pictures,
-            "claims": { "hold": hold, "fail": fail, "undecided": undecided, "not_measured": not_measured },
-            "findings": findings,
-        }));
+        output::json(&summary(results, &page, run));
         return Ok(());
     }
-    print_failures(&failures);
+    print_failures(&failures(results));
+    let missing = results.study.cell_count.saturating_sub(results.cells.len());
     if missing > 0 {
         stdout!("{missing} of {} cells are not here", results.study.cell_count);
     }
     if let Some(table) = study::claims(results) {
+        let findings = results.findings();
+        let [hold, fail, undecided, not_measured] = counted(&findings);
         stdout!("{}", table.text());
         stdout!(
             "claims  {hold} of {} hold, {fail} do not, {undecided} are not decided, {not_measured} not measured",
             findings.len()
         );
     }
-    if let Some(page) = page {
-        stdout!("{}", page.display());
-    }
+    stdout!("{}", page.canonicalize().unwrap_or(page).display());
     Ok(())
 }
 
