@@ -6,15 +6,15 @@ use renderer::Renderer;
 
 const PIPELINES: [&str; 2] = ["smc-ir", "smc-ir-2016"];
 
-/// Searches for neighbours by cells. What they find is the same; among two thousand points all pairs take a processor ten times as
+/// Searches for neighbours by trees. What they find is the same; among two thousand points all pairs take a processor ten times as
 /// long.
-fn by_cells(pipeline: &str) -> &'static [&'static str] {
-    const BY_CELLS: [&str; 3] = [
+fn by_trees(pipeline: &str) -> &'static [&'static str] {
+    const BY_TREES: [&str; 3] = [
         "lights/sample_density.structure=tree",
         "lights/vpls/sources.structure=tree",
         "lights/vpls/sources_before.structure=tree",
     ];
-    if pipeline == "smc-ir" { &BY_CELLS } else { &BY_CELLS[..1] }
+    if pipeline == "smc-ir" { &BY_TREES } else { &BY_TREES[..1] }
 }
 
 /// The mean indirect luminance of the next frame.
@@ -60,7 +60,7 @@ const FEW_ITERATIONS: &[&str] = &["lights/replacement.warm_up=32", "interleave_x
 
 /// A renderer of the maze with 64 lights, of which eight are replaced in a frame.
 fn maze(pipeline: &str, frame: u32) -> Option<Renderer> {
-    let values = [FEW_ITERATIONS, by_cells(pipeline), &["lights=64", "moved=8", "map=16"]].concat();
+    let values = [FEW_ITERATIONS, by_trees(pipeline), &["lights=64", "moved=8", "map=16"]].concat();
     let mut renderer = renderer(pipeline, "maze", (48, 36), &values)?;
     renderer.set_frame_index(frame);
     lights(&mut renderer);
@@ -97,7 +97,7 @@ fn the_light_of_another_room_is_there_after_some_frames() {
 #[ignore = "slow"]
 fn lights_follow_geometry_that_deforms() {
     for pipeline in PIPELINES {
-        let values = [FEW_ITERATIONS, by_cells(pipeline), &["lights=128", "moved=8", "map=16"]].concat();
+        let values = [FEW_ITERATIONS, by_trees(pipeline), &["lights=128", "moved=8", "map=16"]].concat();
         let at = |frame: u32| -> Option<Renderer> {
             let mut renderer = renderer(pipeline, "cornell-box-cloth", (32, 32), &values)?;
             renderer.set_frame_index(frame);

@@ -256,6 +256,11 @@ impl FrameState {
         &self.schedule
     }
 
+    /// Returns whether no frame has run.
+    pub fn is_fresh(&self) -> bool {
+        self.fresh
+    }
+
     /// Decides what the next frame runs, and records it as run. Where no pass changed, a frame after the first
     /// allocates nothing.
     ///

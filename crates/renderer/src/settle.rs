@@ -9,7 +9,8 @@ impl Renderer {
     /// frame if the pipeline has no such output. `report` is called after each frame, and may stop early.
     ///
     /// Frames between the first and the last leave out passes on which neither `progress` nor a history buffer depends, but for
-    /// those that catch up: see [`FrameReport::partial`].
+    /// those that catch up: see [`FrameReport::partial`]. So does the first frame of a plan in which some catch up, for which
+    /// several frames are expected.
     ///
     /// # Errors
     /// As [`Renderer::frame`] and [`Renderer::progress`].
@@ -32,7 +33,9 @@ impl Renderer {
         let index = self.index;
         let needed = self.plan().map_or_else(Vec::new, |plan| needed_to_go_on(plan));
         let mut steps_before = 0;
-        let mut is_whole = true;
+        let catches_up =
+            self.plan().is_some_and(|plan| plan.histories.iter().any(|history| history.catches_up));
+        let mut is_whole = !(catches_up && self.executor.is_fresh());
         for left in (0..most.max(1)).rev() {
             self.index = index;
             if needed.contains(&false) && !is_whole && left > 0 {

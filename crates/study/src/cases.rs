@@ -24,7 +24,7 @@ pub fn measure_cases(
 ) -> Result<Ran, StudyError> {
     let folder = Folder::open(folder, Sharing::Alone)?;
     (study.version, study.started) = (VERSION.to_owned(), now());
-    let (mut contents, mut failed) = (Vec::new(), 0);
+    let mut cells = Vec::new();
     for case in 0..study.scenes.len() {
         let (start, clock) = (Instant::now(), now());
         let found = measure(&mut study, case).unwrap_or_else(|error| {
@@ -33,19 +33,24 @@ pub fn measure_cases(
             vec![Cell { pipeline, outcome, end: error.end(), ..Cell::default() }]
         });
         let seconds = start.elapsed().as_secs_f64() / found.len().max(1) as f64;
-        for mut cell in found {
-            cell.scene.clone_from(&study.scenes[case].name);
-            for info in &study.measures {
-                cell.measures.entry(info.key.clone()).or_default();
-            }
-            cell.node = Node { host: host(), adapter: study.adapter.clone(), clock: clock.clone() };
-            (cell.version, cell.seconds) = (VERSION.to_owned(), seconds);
-            let content = of_case(&study, &cell);
-            cell.key = on_adapter(&content, &study.adapter);
-            folder.write_cell(&cell)?;
-            failed += usize::from(cell.outcome != Outcome::Done);
-            contents.push(content);
+        cells.extend(found.into_iter().map(|cell| {
+            let node = Node { clock: clock.clone(), ..Node::default() };
+            Cell { scene: study.scenes[case].name.clone(), seconds, node, ..cell }
+        }));
+    }
+    // The measures and the adapter are known when all is measured.
+    let (mut contents, mut failed) = (Vec::new(), 0);
+    for mut cell in cells {
+        for info in &study.measures {
+            cell.measures.entry(info.key.clone()).or_default();
         }
+        cell.node = Node { host: host(), adapter: study.adapter.clone(), ..cell.node };
+        VERSION.clone_into(&mut cell.version);
+        let content = of_case(&study, &cell);
+        cell.key = on_adapter(&content, &study.adapter);
+        folder.write_cell(&cell)?;
+        failed += usize::from(cell.outcome != Outcome::Done);
+        contents.push(content);
     }
     study.cell_count = contents.len();
     folder.write_study(&study, &Index { cells: contents, references: Vec::new() })?;

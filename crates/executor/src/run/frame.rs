@@ -128,6 +128,11 @@ impl Executor {
         Ok(report)
     }
 
+    /// Returns whether no frame of the loaded plan has run.
+    pub fn is_fresh(&self) -> bool {
+        self.loaded.as_ref().is_some_and(|loaded| loaded.state.is_fresh())
+    }
+
     /// Returns the report of the last frame; empty before the first.
     pub fn report(&self) -> &FrameReport {
         &self.report

@@ -90,7 +90,7 @@ pub(super) fn json(plan: &Plan) -> Json {
     let history = |h: &super::History| {
         json!({
             "resource": name_of(&h.resource),
-            "reset": h.reset.iter().map(ToString::to_string).collect::<Vec<_>>(), "rest": h.rest,
+            "reset": h.reset.iter().map(ToString::to_string).collect::<Vec<_>>(), "rest": h.rest, "catches_up": h.catches_up,
         })
     };
     let output = |o: &super::PlannedOutput| {

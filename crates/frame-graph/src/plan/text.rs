@@ -29,7 +29,8 @@ pub(super) fn text(plan: &Plan) -> String {
             let rest = history
                 .rest
                 .map_or_else(String::new, |frames| format!("; rests after {frames} still frames"));
-            let _ = writeln!(out, "  {name}, reset by {}{rest}", reset.join(", "));
+            let waits = if history.catches_up { "; waits while a picture settles" } else { "" };
+            let _ = writeln!(out, "  {name}, reset by {}{rest}{waits}", reset.join(", "));
         }
     }
     let _ = writeln!(out, "memory\n  {}", plan.memory);

@@ -73,10 +73,16 @@ fn what_is_continued_has_the_same_shape() {
 /// A loop rests once nothing else has changed for long enough, and goes on with the next change.
 #[test]
 fn a_loop_rests_while_nothing_changes() {
-    let passes = STATE.replace("reset: [Cut]", "reset: [Cut], rest: 3").replace("\"noise\")", "\"gbuffer\")");
+    let policy = "reset: [Cut], rest: 3, catches_up: true";
+    let passes = STATE.replace("reset: [Cut]", policy).replace("\"noise\")", "\"gbuffer\")");
     let plan = plan(&passes, r#""a": "state""#);
     assert_eq!(begins(&plan, "state"), Begins::CopyOfPast(HistoryId(0)), "what it was made of is kept");
-    assert!(plan.to_text().contains("reset by Cut; rests after 3 still frames"));
+    let text = plan.to_text();
+    assert!(
+        text.contains("reset by Cut; rests after 3 still frames; waits while a picture settles"),
+        "{text}"
+    );
+    assert_eq!(plan.to_json()["histories"][0]["catches_up"], true);
     let mut state = FrameState::new(&plan);
     let mut run = |change: &Change| {
         let schedule = state.begin(&plan, change);

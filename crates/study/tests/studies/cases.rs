@@ -2,8 +2,8 @@
 
 use std::path::Path;
 use study::{
-    Better, Cell, Failure, MeasureInfo, Outcome, PipelineRecord, Ran, Results, SceneRecord, StudyRecord, Words,
-    keep, measure_cases,
+    Better, Cell, Failure, MeasureInfo, Outcome, PipelineRecord, Ran, Results, SceneRecord, StudyRecord,
+    Words, keep, measure_cases,
 };
 
 /// Measures two cases, of which the second has a measure of its own or fails. The adapter is known after the first.
@@ -67,9 +67,8 @@ fn measures_of_cases_are_cells_of_one_adapter() {
         assert!(!page.contains(absent), "{absent}");
     }
     let tables = study::tables(&ran.results);
-    let titles = |table: &report::Table| {
-        table.columns.iter().map(|column| column.title.clone()).collect::<Vec<_>>()
-    };
+    let titles =
+        |table: &report::Table| table.columns.iter().map(|column| column.title.clone()).collect::<Vec<_>>();
     assert_eq!(titles(&tables[0]), ["Thing", "Seeds", "ms"]);
     assert_eq!(titles(&tables[1]), ["Thing", "Seeds", "mib"]);
 }

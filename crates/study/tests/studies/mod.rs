@@ -3,6 +3,7 @@
 mod adapters;
 mod broken;
 mod budgets;
+mod cases;
 mod claims;
 mod failures;
 mod fake;
