@@ -77,7 +77,7 @@ fn section(results: &Results, tables: &[String]) -> String {
     }
     let adapters = results.ran_by().join("; ");
     let _ = write!(text, ".\n\n{adapters}; Lightloom {}; begun {}. ", study.version, study.started);
-    if !study.axes.iter().any(|axis| axis.name == SIZE) {
+    if !study.output.is_empty() && !study.axes.iter().any(|axis| axis.name == SIZE) {
         let _ = write!(text, "Frames of {}×{} pixels. ", study.size.0, study.size.1);
     }
     let _ = write!(text, "A cell: {}.", study.budget);

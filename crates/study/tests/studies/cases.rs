@@ -66,6 +66,12 @@ fn measures_of_cases_are_cells_of_one_adapter() {
     for absent in ["id=\"pictures\"", "id=\"references\"", "Warm-up", "0 × 0"] {
         assert!(!page.contains(absent), "{absent}");
     }
+    let pages = study::publish(&[folder.path().to_owned()], &folder.path().join("pages")).unwrap();
+    let text = std::fs::read_to_string(&pages[0]).unwrap();
+    assert!(
+        pages[0].ends_with("costs.md") && text.contains("| all |") && !text.contains("Frames of"),
+        "{text}"
+    );
     let tables = study::tables(&ran.results);
     let titles =
         |table: &report::Table| table.columns.iter().map(|column| column.title.clone()).collect::<Vec<_>>();
