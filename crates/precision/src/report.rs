@@ -6,8 +6,8 @@ use data_file::Value;
 use report::{Column, Entry, Table};
 use std::path::Path;
 use study::{
-    Axis, AxisValue, Better, Cell, Claim, Failure, MeasureInfo, Pick, PipelineRecord, Ran, Relation,
-    SceneRecord, StudyError, StudyRecord, Words, measure_cases,
+    Axis, AxisValue, Cell, Claim, Failure, MeasureInfo, Pick, PipelineRecord, Ran, Relation, SceneRecord,
+    StudyError, StudyRecord, Words, measure_cases,
 };
 
 /// What is compared: results in `f32`, and those that no formula makes more exact.
@@ -52,25 +52,8 @@ pub fn run(
 
 /// Returns the study before anything is measured.
 fn blank(probes: &[Probe], evaluator: &dyn Evaluator, options: &Options) -> StudyRecord {
-    let case = |probe: &Probe| SceneRecord {
-        name: probe.name.clone(),
-        about: format!("{} Magnitude: {}.", probe.about, probe.magnitude),
-        hash: String::new(),
-        triangles: 0,
-    };
-    let subject = |(name, about): (&str, &str)| PipelineRecord {
-        name: name.to_owned(),
-        pipeline: name.to_owned(),
-        about: about.to_owned(),
-        ..PipelineRecord::default()
-    };
-    let info = |key: &str, label: &str, doc: &str| MeasureInfo {
-        key: key.to_owned(),
-        label: label.to_owned(),
-        unit: String::new(),
-        better: Better::Neither,
-        doc: doc.to_owned(),
-        is_error: false,
+    let case = |probe: &Probe| {
+        SceneRecord::case(&probe.name, format!("{} Magnitude: {}.", probe.about, probe.magnitude))
     };
     StudyRecord {
         name: "precision".to_owned(),
@@ -82,16 +65,16 @@ fn blank(probes: &[Probe], evaluator: &dyn Evaluator, options: &Options) -> Stud
         words: Words { case: "probe".to_owned(), subject: "arithmetic".to_owned() },
         budget: format!("{} samples of each of {} magnitudes", options.samples, options.magnitudes),
         scenes: probes.iter().map(case).collect(),
-        pipelines: SUBJECTS.map(subject).into(),
+        pipelines: SUBJECTS.map(|(name, about)| PipelineRecord::subject(name, about)).into(),
         axes: vec![Axis {
             name: MAGNITUDE.to_owned(),
             doc: "Of an input; each probe says of which".to_owned(),
             ..Axis::default()
         }],
         measures: vec![
-            info(ERROR, "relative error", "99 % of the samples have at most this"),
-            info(MEDIAN, "median error", "The median of relative errors"),
-            info(LOST, "lost", "The share of samples whose error is infinite"),
+            MeasureInfo::new(ERROR, "relative error", "99 % of the samples have at most this"),
+            MeasureInfo::new(MEDIAN, "median error", "The median of relative errors"),
+            MeasureInfo::new(LOST, "lost", "The share of samples whose error is infinite"),
         ],
         adapter: evaluator.name(),
         ..StudyRecord::default()
@@ -124,20 +107,14 @@ fn cells(point: &Point, seed: u64) -> [Cell; 2] {
 /// Returns the claim that the error is as demanded where it is the greatest multiple of the unavoidable one, and so everywhere.
 fn claim(measured: &Measured) -> Option<Claim> {
     let worst = measured.worst()?;
-    let [of, to] = SUBJECTS.map(|(name, _)| Pick { pipeline: name.to_owned().into(), at: Vec::new() });
+    let [of, to] = SUBJECTS.map(|(name, _)| Pick::all(name));
     let (measure, relation) = if worst.errors.most.is_finite() {
         (ERROR, Relation::Ratio { of, to, at_least: None, at_most: Some(measured.probe.bound) })
     } else {
         (LOST, Relation::Bound { of, at_least: None, at_most: Some(MOST_LOST) })
     };
-    Some(Claim {
-        measure: measure.to_owned().into(),
-        relation,
-        at: vec![(MAGNITUDE.to_owned().into(), magnitude(worst).into())],
-        scenes: vec![measured.probe.name.clone().into()],
-        says: "the probe".to_owned(),
-        because: String::new(),
-    })
+    let at = vec![(MAGNITUDE.to_owned().into(), magnitude(worst).into())];
+    Some(Claim { at, ..Claim::new(measure, relation, &measured.probe.name, "the probe") })
 }
 
 /// Returns a row for each probe, at the magnitude where its error is the greatest multiple of the unavoidable one.

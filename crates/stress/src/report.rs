@@ -23,29 +23,11 @@ const FAULTS: &str = "faults";
 /// Adds to the results of a run what is said of its cells: the verdict and the command as details, the share of the expected
 /// energy and the number of faulty pixels as measures, and what is claimed of these.
 pub fn add(results: &mut Results, cells: &[Cell]) {
-    let info = |key: &str, label: &str, unit: &str, better, doc: &str| MeasureInfo {
-        key: key.to_owned(),
-        label: label.to_owned(),
-        unit: unit.to_owned(),
-        better,
-        doc: doc.to_owned(),
-        is_error: false,
-    };
+    let share = "The energy of the indirect light as a share of the expected one";
+    let faults = "Pixels that are not finite or negative, of indirect light and image";
     results.study.measures.extend([
-        info(
-            SHARE,
-            "share",
-            "",
-            Better::One,
-            "The energy of the indirect light as a share of the expected one",
-        ),
-        info(
-            FAULTS,
-            "faults",
-            "px",
-            Better::Lower,
-            "Pixels that are not finite or negative, of indirect light and image",
-        ),
+        MeasureInfo { better: Better::One, ..MeasureInfo::new(SHARE, "share", share) },
+        MeasureInfo { better: Better::Lower, ..MeasureInfo::new(FAULTS, "faulty pixels", faults) },
     ]);
     for cell in cells {
         let is_of = |known: &&mut study::Cell| known.pipeline == cell.pipeline && known.scene == cell.case;
@@ -60,15 +42,8 @@ pub fn add(results: &mut Results, cells: &[Cell]) {
             }
         }
         let bound = |measure: &str, at_least, at_most| {
-            let of = Pick { pipeline: cell.pipeline.clone().into(), at: Vec::new() };
-            Claim {
-                measure: measure.to_owned().into(),
-                relation: Relation::Bound { of, at_least, at_most },
-                at: Vec::new(),
-                scenes: vec![cell.case.clone().into()],
-                says: String::new(),
-                because: String::new(),
-            }
+            let relation = Relation::Bound { of: Pick::all(&cell.pipeline), at_least, at_most };
+            Claim::new(measure, relation, &cell.case, "")
         };
         results.study.claims.push(bound(FAULTS, None, Some(0.0)));
         // Where both are black there is no share.

@@ -119,23 +119,12 @@ struct Cells<'a> {
 impl Cells<'_> {
     fn plan(&self) -> Plan {
         let scenes = self.all.iter().map(|case| SceneFacts {
-            record: SceneRecord {
-                name: case.name.clone(),
-                about: case.about.clone(),
-                hash: String::new(),
-                triangles: 0,
-            },
+            record: SceneRecord::case(&case.name, case.about.clone()),
             moves: false,
             seconds_per_frame: 0.0,
             small_length: 0.0,
         });
-        let pipelines = self.subjects.iter().map(|subject| PipelineRecord {
-            name: subject.name.clone(),
-            pipeline: subject.name.clone(),
-            about: String::new(),
-            paper: String::new(),
-            set: BTreeMap::new(),
-        });
+        let pipelines = self.subjects.iter().map(|subject| PipelineRecord::subject(&subject.name, ""));
         let mut runs = Vec::new();
         for (pipeline, subject) in self.subjects.iter().enumerate() {
             for (scene, case) in self.all.iter().enumerate().filter(|(_, case)| self.has(subject, case)) {

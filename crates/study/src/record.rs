@@ -241,6 +241,35 @@ pub struct MeasureInfo {
     pub is_error: bool,
 }
 
+impl SceneRecord {
+    /// Creates the record of a case that is no scene.
+    pub fn case(name: &str, about: impl Into<String>) -> SceneRecord {
+        SceneRecord { name: name.to_owned(), about: about.into(), hash: String::new(), triangles: 0 }
+    }
+}
+
+impl PipelineRecord {
+    /// Creates the record of what is compared in such cases.
+    pub fn subject(name: &str, about: &str) -> PipelineRecord {
+        let [name, pipeline] = [name; 2].map(str::to_owned);
+        PipelineRecord { name, pipeline, about: about.to_owned(), ..PipelineRecord::default() }
+    }
+}
+
+impl MeasureInfo {
+    /// Creates the description of a measure that is no error of a picture, and has no unit.
+    pub fn new(key: &str, label: &str, doc: &str) -> MeasureInfo {
+        MeasureInfo {
+            key: key.to_owned(),
+            label: label.to_owned(),
+            unit: String::new(),
+            better: Better::Neither,
+            doc: doc.to_owned(),
+            is_error: false,
+        }
+    }
+}
+
 /// A reference of a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ReferenceRecord {

@@ -76,6 +76,27 @@ pub struct Pick {
     pub at: Pins,
 }
 
+impl Claim {
+    /// Creates a claim about a measure in one case, which nobody has published.
+    pub fn new(measure: &str, relation: Relation, case: &str, says: &str) -> Claim {
+        Claim {
+            measure: measure.to_owned().into(),
+            relation,
+            at: Vec::new(),
+            scenes: vec![case.to_owned().into()],
+            says: says.to_owned(),
+            because: String::new(),
+        }
+    }
+}
+
+impl Pick {
+    /// Creates the pick of all cells of a pipeline.
+    pub fn all(pipeline: &str) -> Pick {
+        Pick { pipeline: pipeline.to_owned().into(), at: Vec::new() }
+    }
+}
+
 impl Relation {
     /// Returns the picks that it is about, in the order of the text.
     pub fn picks(&self) -> Vec<&Pick> {

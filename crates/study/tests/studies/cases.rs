@@ -2,33 +2,18 @@
 
 use std::path::Path;
 use study::{
-    Better, Cell, Failure, MeasureInfo, Outcome, PipelineRecord, Ran, Results, SceneRecord, StudyRecord,
-    Words, keep, measure_cases,
+    Cell, Failure, MeasureInfo, Outcome, PipelineRecord, Ran, Results, SceneRecord, StudyRecord, Words, keep,
+    measure_cases,
 };
 
 /// Measures two cases, of which the second has a measure of its own or fails. The adapter is known after the first.
 fn run(folder: &Path, fails: bool) -> Ran {
-    let case = |name: &str| SceneRecord {
-        name: name.to_owned(),
-        about: format!("the case {name}"),
-        hash: String::new(),
-        triangles: 0,
-    };
-    let info = |key: &str| MeasureInfo {
-        key: key.to_owned(),
-        label: key.to_owned(),
-        unit: String::new(),
-        better: Better::Neither,
-        doc: String::new(),
-        is_error: false,
-    };
-    let pipeline =
-        PipelineRecord { name: "all".to_owned(), pipeline: "all".to_owned(), ..PipelineRecord::default() };
+    let case = |name: &str| SceneRecord::case(name, format!("the case {name}"));
     let study = StudyRecord {
         name: "costs".to_owned(),
         words: Words { case: "figure".to_owned(), subject: "thing".to_owned() },
         scenes: vec![case("first"), case("second")],
-        pipelines: vec![pipeline],
+        pipelines: vec![PipelineRecord::subject("all", "")],
         ..StudyRecord::default()
     };
     let cell = |measure: &str, value: f64| Cell {
@@ -38,11 +23,11 @@ fn run(folder: &Path, fails: bool) -> Ran {
     };
     measure_cases(study, folder, &mut |study, case| match (case, fails) {
         (0, _) => {
-            study.measures.push(info("ms"));
+            study.measures.push(MeasureInfo::new("ms", "ms", ""));
             Ok(vec![cell("ms", 2.0)])
         }
         (_, false) => {
-            study.measures.push(info("mib"));
+            study.measures.push(MeasureInfo::new("mib", "mib", ""));
             study.adapter = "a device".to_owned();
             Ok(vec![cell("mib", 3.0)])
         }

@@ -4,9 +4,7 @@ use super::Figure;
 use metrics::statistics::median;
 use report::{Column, Entry, Table, number};
 use serde_json::{Value, json};
-use study::{
-    Better, Cell, Claim, MeasureInfo, Pick, PipelineRecord, Relation, SceneRecord, StudyRecord, Words,
-};
+use study::{Cell, Claim, MeasureInfo, Pick, PipelineRecord, Relation, SceneRecord, StudyRecord, Words};
 
 /// Median of several runs, with the least and the greatest.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -129,15 +127,8 @@ impl Row {
             "s" | "ms" | "µs" => (self.unit, "time"),
             unit => (unit, "rate"),
         };
-        MeasureInfo {
-            key: key.to_owned(),
-            label: label.to_owned(),
-            unit: if key == label { String::new() } else { self.unit.to_owned() },
-            // Rows are of different things.
-            better: Better::Neither,
-            doc: "The median of the runs".to_owned(),
-            is_error: false,
-        }
+        let unit = if key == label { "" } else { self.unit };
+        MeasureInfo { unit: unit.to_owned(), ..MeasureInfo::new(key, label, "The median of the runs") }
     }
 
     /// Returns its cell.
@@ -159,15 +150,8 @@ impl Row {
             Goal::AtLeast(least) => (Some(least), None),
             Goal::AtMost(most) => (None, Some(most)),
         };
-        let of = Pick { pipeline: self.name.clone().into(), at: Vec::new() };
-        Some(Claim {
-            measure: self.info().key.into(),
-            relation: Relation::Bound { of, at_least, at_most },
-            at: Vec::new(),
-            scenes: vec![figure.to_owned().into()],
-            says: self.from.to_owned(),
-            because: String::new(),
-        })
+        let relation = Relation::Bound { of: Pick::all(&self.name), at_least, at_most };
+        Some(Claim::new(&self.info().key, relation, figure, self.from))
     }
 }
 
@@ -189,8 +173,7 @@ impl Section {
                 study.measures.push(info);
             }
             if study.pipelines.iter().all(|known| known.name != *name) {
-                let (name, pipeline) = (name.clone(), name.clone());
-                study.pipelines.push(PipelineRecord { name, pipeline, ..PipelineRecord::default() });
+                study.pipelines.push(PipelineRecord::subject(name, ""));
             }
         }
         self.rows.iter().map(Row::cell).collect()
@@ -199,12 +182,6 @@ impl Section {
 
 /// Returns the study of figures before anything is measured.
 pub(super) fn blank(figures: &[&Figure], runs: u32, quick: bool) -> StudyRecord {
-    let case = |figure: &&Figure| SceneRecord {
-        name: figure.name.to_owned(),
-        about: figure.about.to_owned(),
-        hash: String::new(),
-        triangles: 0,
-    };
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     StudyRecord {
         name: "bench".to_owned(),
@@ -217,7 +194,7 @@ pub(super) fn blank(figures: &[&Figure], runs: u32, quick: bool) -> StudyRecord 
             if cfg!(debug_assertions) { ", built without full optimisation" } else { "" },
             if quick { "; a quick preview, to which the goals do not apply" } else { "" },
         ),
-        scenes: figures.iter().map(case).collect(),
+        scenes: figures.iter().map(|figure| SceneRecord::case(figure.name, figure.about)).collect(),
         ..StudyRecord::default()
     }
 }
