@@ -95,6 +95,31 @@ fn only_what_changed_runs() {
     assert!(bits(&renderer.output("image").unwrap()) == still, "and comes back with it, bit for bit");
 }
 
+/// A picture is done with a whole frame, which is reported: where maps are kept without progress, with the first; where one step
+/// settles, with the one after it.
+#[test]
+fn the_last_frame_of_a_picture_is_whole_and_reported() {
+    let small = ["lights=32", "map=16"];
+    let one_step = [&small[..], &["lights/replacement.warm_up=1"]].concat();
+    for (pipeline, values, wanted) in [
+        ("instant-radiosity", &small[..], &[false][..]),
+        ("incremental-instant-radiosity", &small, &[false]),
+        ("smc-ir", &one_step, &[true, false]),
+    ] {
+        let Some(mut renderer) = renderer(pipeline, "cornell-box", (20, 15), values) else { return };
+        let mut partial = Vec::new();
+        renderer
+            .frame_until_done(|report, _| {
+                partial.push(report.partial);
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+        assert_eq!(partial, wanted, "{pipeline}");
+        let picture = bits(&renderer.output("indirect").unwrap());
+        assert!(picture.iter().any(|pixel| pixel[0] != 0), "{pipeline} renders something");
+    }
+}
+
 /// Frames that lead to a picture leave out what neither its progress nor a history buffer depends on; the picture is that of whole
 /// frames.
 #[test]

@@ -9,8 +9,8 @@ impl Renderer {
     /// frame if the pipeline has no such output. `report` is called after each frame, and may stop early.
     ///
     /// Frames between the first and the last leave out passes on which neither `progress` nor a history buffer depends, but for
-    /// those that catch up: see [`FrameReport::partial`]. So does the first frame of a plan in which some catch up, for which
-    /// several frames are expected.
+    /// those that catch up: see [`FrameReport::partial`]. So does the first frame of a plan with `progress` in which some catch up, for
+    /// which several frames are expected.
     ///
     /// # Errors
     /// As [`Renderer::frame`] and [`Renderer::progress`].
@@ -33,9 +33,8 @@ impl Renderer {
         let index = self.index;
         let needed = self.plan().map_or_else(Vec::new, |plan| needed_to_go_on(plan));
         let mut steps_before = 0;
-        let catches_up =
-            self.plan().is_some_and(|plan| plan.histories.iter().any(|history| history.catches_up));
-        let mut is_whole = !(catches_up && self.executor.is_fresh());
+        let mut is_whole =
+            !(self.executor.is_fresh() && self.plan().is_some_and(|plan| expects_several(plan)));
         for left in (0..most.max(1)).rev() {
             self.index = index;
             if needed.contains(&false) && !is_whole && left > 0 {
@@ -51,6 +50,9 @@ impl Renderer {
                 if self.report().partial && !broken_off {
                     self.index = index;
                     self.frame()?;
+                    let progress = self.progress()?;
+                    // It is the last in any case.
+                    let _ = report(self.report(), progress);
                 }
                 break;
             };
@@ -69,4 +71,9 @@ fn needed_to_go_on(plan: &Plan) -> Vec<bool> {
     let of_histories = plan.histories.iter().filter(|history| !history.catches_up);
     let of_histories = of_histories.map(|history| history.resource);
     plan.upstream(of_progress.chain(of_histories).map(|id| plan.producer(id)))
+}
+
+/// Returns whether a picture takes several frames from the beginning, for which what catches up can wait.
+fn expects_several(plan: &Plan) -> bool {
+    plan.output("progress").is_some() && plan.histories.iter().any(|history| history.catches_up)
 }
