@@ -61,6 +61,7 @@ impl Results {
     /// a result for each.
     pub fn findings(&self) -> Vec<Finding<'_>> {
         let mut findings = Vec::new();
+        let adapters = self.adapters();
         for claim in &self.study.claims {
             let scenes = self.study.scenes.iter().map(|scene| scene.name.as_str());
             let about: Vec<&str> = scenes
@@ -76,10 +77,9 @@ impl Results {
                 }
                 _ => about.into_iter().map(|scene| vec![scene]).collect(),
             };
-            let adapters = self.adapters();
             let is_of_one = is_time(&claim.measure.value) || self.study.budget_of_time;
             let adapters = if adapters.len() > 1 && is_of_one {
-                adapters.into_iter().map(Some).collect()
+                adapters.iter().copied().map(Some).collect()
             } else {
                 vec![None]
             };
