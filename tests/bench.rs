@@ -3,6 +3,7 @@
 use crate::adapter::{gpu, root};
 use crate::program::{Done, command_of_tree, lightloom};
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
@@ -12,13 +13,21 @@ fn command(out: &Path, arguments: &[&str]) -> Command {
     command
 }
 
-fn bench(arguments: &[&str]) -> Done {
-    let folder = tempfile::tempdir().unwrap();
-    Done::of(command(folder.path(), &["--quick", "--runs", "2"]).args(arguments)).success()
+fn json(arguments: &[&str]) -> Value {
+    json_and_notes(arguments).0
 }
 
-fn json(arguments: &[&str]) -> Value {
-    bench(&[arguments, &["--json"]].concat()).json()
+/// Returns what is printed as JSON, and the note on each figure by its name.
+fn json_and_notes(arguments: &[&str]) -> (Value, BTreeMap<String, String>) {
+    let folder = tempfile::tempdir().unwrap();
+    let mut command = command(folder.path(), &["--quick", "--runs", "2", "--json"]);
+    let json = Done::of(command.args(arguments)).success().json();
+    let study = std::fs::read_to_string(folder.path().join("study.json")).unwrap();
+    let study: Value = serde_json::from_str(&study).unwrap();
+    let text = |value: &Value| value.as_str().unwrap().to_owned();
+    let figures = study["scenes"].as_array().unwrap().iter();
+    let notes = figures.map(|figure| (text(&figure["name"]), text(&figure["about"])));
+    (json, notes.collect())
 }
 
 fn has_timestamps() -> bool {
@@ -50,10 +59,11 @@ fn all_that_can_be_measured_is() {
     if !has_timestamps() {
         return;
     }
-    let json = json(&[]);
+    let (json, notes) = json_and_notes(&[]);
     assert_eq!(json["adapter"], gpu().unwrap().describe());
     for figure in ["rays", "compile", "encode", "memory", "value", "reload", "start", "roofline"] {
         assert!(!rows(&json, figure).is_empty(), "{figure}: {json}");
+        assert!(!notes[figure].is_empty(), "{figure}");
     }
     for row in json["records"].as_array().unwrap() {
         // A pass of the roofline may take no step at all.
@@ -132,8 +142,9 @@ fn passes_are_held_against_ceilings() {
     if !has_timestamps() {
         return;
     }
-    let json = json(&["roofline"]);
+    let (json, notes) = json_and_notes(&["roofline"]);
     assert_eq!(json["adapter"], gpu().unwrap().describe());
+    assert!(notes["roofline"].contains("atrium"), "{notes:?}");
     let rows = rows(&json, "roofline");
     let name = |row: &Value| row["pipeline"].as_str().unwrap().to_owned();
     let frames = rows.iter().position(|row| row["details"]["from"] == "all passes").expect("a frame");
