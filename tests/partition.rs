@@ -8,15 +8,35 @@ use pass_test::rooms::{furnace, matte, quad, room};
 use renderer::Renderer;
 use scene::{LightKind, Scene};
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
+
+/// The most iterations of a test before the first picture, as in `smc-ir`; those after it are of a frame each.
+const BEFORE_THE_FIRST: u32 = 24;
 
 /// Green flux of all lights that `pipeline` has made after `iterations` \[W\].
 fn flux(pipeline: &str, scene: Option<&Scene>, iterations: u32, more: &[&str]) -> Option<f64> {
-    let warm_up = format!("lights/replacement.warm_up={iterations}");
+    flux_of_seed(0, pipeline, scene, iterations, more)
+}
+
+fn flux_of_seed(
+    seed: u32,
+    pipeline: &str,
+    scene: Option<&Scene>,
+    iterations: u32,
+    more: &[&str],
+) -> Option<f64> {
+    let before = iterations.min(BEFORE_THE_FIRST);
+    let warm_up = format!("lights/replacement.warm_up={before}");
     // 192 · 16 photons of three bounces are 1,024 paths: of a power of two, sequences are stratified.
     let values = [&["lights=192", "map=4", &warm_up], more].concat();
     let mut renderer: Renderer = renderer(pipeline, "cornell-box", (32, 32), &values)?;
     if let Some(scene) = scene {
         renderer.set_scene(scene.clone()).unwrap();
+    }
+    renderer.set_seed(seed);
+    renderer.frame_until_done(|_, _| ControlFlow::Continue(())).unwrap();
+    for _ in before..iterations {
+        renderer.frame().unwrap();
     }
     Some(fluxes(&lights(&mut renderer)).values().sum())
 }
@@ -33,10 +53,11 @@ fn assert_furnace_keeps_its_flux(iterations: &[u32]) {
     // Three bounces of a radiosity of π, of 6 faces of 4 m².
     let expected = PI * (albedo + albedo.powi(2) + albedo.powi(3)) * 24.0;
     for iterations in iterations {
-        let Some(found) = flux("smc-ir", Some(&scene), *iterations, &[]) else { return };
-        let ratio = found / expected;
-        // On which side a photon leaves a wall is random: of the 1,024 of one frame some three too many may go outwards.
-        assert!((ratio - 1.0).abs() < 0.01, "{iterations} iterations: {ratio}");
+        // On which side a photon leaves a wall is random: the ratios of one iteration deviate by 2.6 %, of thirty by 0.7 %.
+        let of_seed = |seed| flux_of_seed(seed, "smc-ir", Some(&scene), *iterations, &[]);
+        let Some(found) = (0..6).map(of_seed).collect::<Option<Vec<f64>>>() else { return };
+        let ratio = found.iter().sum::<f64>() / 6.0 / expected;
+        assert!((ratio - 1.0).abs() < 0.01, "{iterations} iterations: {ratio} of {found:?}");
     }
 }
 
@@ -129,7 +150,7 @@ fn the_flux_is_that_of_photons() {
 #[ignore = "slow"]
 fn the_flux_is_that_of_photons_after_many_iterations() {
     assert_flux_of_photons(&[
-        (100, &["lights/vpls.rate=1"]),
+        (100, &["lights/vpls.rate=4"]),
         (200, &["lights/vpls.rate=16"]),
         (100, &["lights/vpls.rate=4", "moved=64"]),
         (100, &["lights/vpls.rate=4", "moved=0"]),

@@ -323,10 +323,12 @@ fn search(row: Row) {
     if turn >= settings.points_count {
         return;
     }
-    let index = turns[turn];
+    // Points that are not there have no turn: there may be fewer than there is room for.
+    let there = turn < points.header.count;
+    let index = select(turn, turns[turn], there);
     let query = query_of(index);
     begin_search(query, index);
-    if points.points[index].triangle != NO_TRIANGLE {
+    if there && points.points[index].triangle != NO_TRIANGLE {
         search_tree(query, leaf_of(turn));
     }
     end_search(query);

@@ -28,8 +28,13 @@ var<storage, read> nearest: array<u32>;
 var<storage, read> view: SurfacePoints;
 var<storage, read_write> reached: SurfacePoints;
 
+/// The points in view that there are.
+fn viewers() -> u32 {
+    return min(view.header.count, settings.view_count);
+}
+
 fn is_seen_by(point: SurfacePoint, index: u32) -> bool {
-    return index < min(view.header.count, settings.view_count) && view.points[index].triangle != NO_TRIANGLE
+    return index < viewers() && view.points[index].triangle != NO_TRIANGLE
         && see_each_other(point, view.points[index]);
 }
 
@@ -39,7 +44,7 @@ fn is_seen(point: SurfacePoint, index: u32) -> bool {
     }
     let key = hash2(settings.seed, point.seed);
     for (var i = 0u; i < settings.tries; i++) {
-        if is_seen_by(point, hash2(key, i) % max(settings.view_count, 1u)) {
+        if is_seen_by(point, hash2(key, i) % max(viewers(), 1u)) {
             return true;
         }
     }

@@ -3,8 +3,8 @@
 // A path owns as many neighbouring places as there are bounces; where it leaves the scene, the rest of them are dark. So lights
 // keep their places from frame to frame, and move only as what they were traced from moves.
 
-#input iteration: SurfacePoints optional // Points whose iteration chooses the sequence of photons. Without it, the sequence is the
-    // same in every frame.
+#input iteration: SurfacePoints optional // Points whose iteration chooses the sequence of photons; where they are a whole fraction of
+    // what there is room for, so are the photons. Without it, the sequence is the same in every frame.
 #output lights: VirtualLights(count: settings.count) // A light for each photon and bounce; dark where it left the scene.
 #lights
 
@@ -37,6 +37,9 @@ const EMITTERS: u32 = 0x656du;
 #endif
 
 struct Settings {
+#if ITERATION
+    iteration_count: u32,
+#endif
     /// Number N of virtual lights. Error falls as N^-½; the time for shadows and gathering rises with N. [default: 2048,
     /// min: 1, max: 2097152]
     count: u32,
@@ -59,6 +62,15 @@ fn seed() -> u32 {
     return hash2(settings.seed, iteration.header.iteration);
 #else
     return settings.seed;
+#endif
+}
+
+/// The places of lights in this iteration.
+fn places() -> u32 {
+#if ITERATION
+    return settings.count / max(settings.iteration_count / max(iteration.header.count, 1u), 1u);
+#else
+    return settings.count;
 #endif
 }
 
@@ -200,17 +212,18 @@ fn deposit(path: u32, paths: u32) {
 @compute @workgroup_size(64)
 fn trace_photons(row: Row) {
     let path = index_in(row, 64u);
-    let paths = settings.count / settings.bounces;
+    let places = places();
+    let paths = places / settings.bounces;
     if path < paths {
         deposit(path, paths);
     }
     if path == 0u {
-        lights.count = settings.count;
-        for (var rest = paths * settings.bounces; rest < settings.count; rest++) {
+        lights.count = places;
+        for (var rest = paths * settings.bounces; rest < places; rest++) {
             put_nothing(rest);
         }
 #if ITERATION
-        points.header = SurfacePointsHeader(settings.count, iteration.header.iteration, 0u, 0u);
+        points.header = SurfacePointsHeader(places, iteration.header.iteration, 0u, 0u);
 #endif
     }
 }

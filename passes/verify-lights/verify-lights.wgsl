@@ -75,7 +75,7 @@ const GROUP: u32 = 64u;
 
 /// The points that cast rays.
 fn casters() -> u32 {
-    return min(settings.casters, settings.points_count);
+    return min(settings.casters, min(points.header.count, settings.points_count));
 }
 
 /// Whether the camera sees a point.

@@ -4,12 +4,19 @@
 
 #input past: SurfacePoints optional // Points whose iteration is the one before this: a link with `prev`. Without it, the
     // frame's number counts.
-#output points: SurfacePoints(count: settings.count * settings.rate) // Points; empty where the camera sees nothing.
+#input progress: Progress optional // How far the algorithm was in the frame before: a link with `prev`. With it, iterations that
+    // no picture shows have a quarter of the points.
+#output points: SurfacePoints(count: settings.count * settings.rate) // Points; empty where the camera sees nothing. The count in
+    // their header is that of the iteration.
 
 #option PAST false // whether there are points of the frame before
+#option PROGRESS false // whether it is known how far the algorithm was
 
 #import "camera.wgsl"
 #import "dispatch.wgsl"
+#if PROGRESS
+#import "progress.wgsl"
+#endif
 #import "ray-tracing.wgsl"
 #import "sobol.wgsl"
 #import "surface-point.wgsl"
@@ -34,7 +41,15 @@ var<uniform> settings: Settings;
 #if PAST
 var<storage, read> past: SurfacePoints;
 #endif
+#if PROGRESS
+var<storage, read> progress: Progress;
+#endif
 var<storage, read_write> points: SurfacePoints;
+
+#if PROGRESS
+/// Points of a frame for each one of an iteration that no picture shows.
+const SPARSE: u32 = 4u;
+#endif
 
 /// The number of iterations before this one.
 fn iteration() -> u32 {
@@ -44,6 +59,17 @@ fn iteration() -> u32 {
 #else
     return select(0u, frame.index, settings.vary != 0u);
 #endif
+}
+
+/// The points of this iteration.
+fn points_now() -> u32 {
+#if PROGRESS
+    // The last of the steps is that of a picture. Where there is no history yet, the number of steps is not known.
+    if progress.step + 1u < progress.steps {
+        return (settings.points_count + SPARSE - 1u) / SPARSE;
+    }
+#endif
+    return settings.points_count;
 }
 
 /// The point that is seen at a place of the image [px].
@@ -65,9 +91,14 @@ fn see(row: Row) {
     }
     let iteration = iteration();
     let seed = hash2(settings.seed, select(0u, iteration, settings.vary != 0u));
-    let place = sobol2_of(index, seed) * camera.size;
-    points.points[index] = point_at(place, hash2(seed, index));
+    let count = points_now();
+    if index < count {
+        let place = sobol2_of(index, seed) * camera.size;
+        points.points[index] = point_at(place, hash2(seed, index));
+    } else {
+        points.points[index] = no_point();
+    }
     if index == 0u {
-        points.header = SurfacePointsHeader(settings.points_count, iteration, 0u, 0u);
+        points.header = SurfacePointsHeader(count, iteration, 0u, 0u);
     }
 }

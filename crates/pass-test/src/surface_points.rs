@@ -6,8 +6,20 @@ use interfaces::surface_points::{self, SurfacePoint, SurfacePointsHeader};
 impl Harness<'_> {
     /// Gives an input port these points.
     pub fn surface_points(self, port: &str, iteration: u32, points: &[SurfacePoint]) -> Self {
-        let members = elements(&surface_points::to_bytes(iteration, points));
-        self.input(port, "SurfacePoints", &[("count", points.len() as u32)], members)
+        self.surface_points_before(port, iteration, points, &[])
+    }
+
+    /// The same where there is room for more points, which holds others that must not be read.
+    pub fn surface_points_before(
+        self,
+        port: &str,
+        iteration: u32,
+        points: &[SurfacePoint],
+        others: &[SurfacePoint],
+    ) -> Self {
+        let bytes = [&*surface_points::to_bytes(iteration, points), bytemuck::cast_slice(others)].concat();
+        let room = (points.len() + others.len()) as u32;
+        self.input(port, "SurfacePoints", &[("count", room)], elements(&bytes))
     }
 }
 

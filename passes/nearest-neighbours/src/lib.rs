@@ -64,9 +64,9 @@ impl Search {
         cx: &UseContext<'_>,
         own: bool,
     ) -> Result<Vec<(&'static str, RadixSort<'static>)>, PassTypeError> {
-        let along = |length, left_out, keys, order, scratch| RadixSort {
+        let along = |port, length, left_out, keys, order, scratch| RadixSort {
             length,
-            count: None,
+            count: Some(port),
             bits: 32 - left_out,
             keys,
             values: None,
@@ -74,13 +74,13 @@ impl Search {
             sorted_values: order,
             scratch,
         };
-        let neighbours = along(self.among, 0, "keys", "order", "sort");
+        let neighbours = |port| (port, along(port, self.among, 0, "keys", "order", "sort"));
         if own {
-            return Ok(vec![("points", neighbours)]);
+            return Ok(vec![neighbours("points")]);
         }
         let left_out = cx.constant(NEIGHBOURHOOD, "LEFT_OUT")?;
-        let points = along(self.points, left_out, "keys_of_points", "turns", "sort_of_points");
-        Ok(vec![("among", neighbours), ("points", points)])
+        let points = along("points", self.points, left_out, "keys_of_points", "turns", "sort_of_points");
+        Ok(vec![neighbours("among"), ("points", points)])
     }
 }
 

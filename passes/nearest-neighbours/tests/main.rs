@@ -140,6 +140,37 @@ fn neighbours_may_be_other_points() {
     assert_near(&found, &by_definition(&far, &among, false, 3), "far away");
 }
 
+/// Points that are fewer than there is room for: what lies behind them is no neighbour, and has no density.
+#[test]
+fn room_behind_the_points_counts_for_nothing() {
+    let (points, among) = (scattered(300, 1), scattered(700, 2));
+    let with_room = |among: Option<&[SurfacePoint]>| {
+        let harness = Harness::new(PASS).scene("plane");
+        let harness = harness.surface_points_before("points", 3, &points, &scattered(700, 3));
+        match among {
+            Some(among) => harness.surface_points_before("among", 3, among, &scattered(1300, 4)),
+            None => harness,
+        }
+    };
+    for among in [None, Some(&*among)] {
+        for k in [1, 6] {
+            let Some(found) = both(|| with_room(among).set("k", k)) else { return };
+            let case = format!("k = {k}, among others: {}", among.is_some());
+            let expected = by_definition(&points, among.unwrap_or(&points), among.is_none(), k);
+            assert_near(&found[..300], &expected, &case);
+            assert_eq!(found[300..], [0.0; 700], "{case}");
+        }
+    }
+    let expected = owners_by_definition(&points, &among, false);
+    for structure in ["pairs", "tree"] {
+        let harness = with_room(Some(&among)).set("structure", structure).set("owners", true);
+        let Some(outputs) = harness.run() else { return };
+        let found: Vec<u32> = outputs.read("owners");
+        assert_eq!(found[..300], expected, "{structure}");
+        assert_eq!(found[300..1000], [u32::MAX; 700], "{structure}");
+    }
+}
+
 /// More neighbours than one dispatch takes.
 #[test]
 fn searches_are_cut_into_several_dispatches() {

@@ -39,7 +39,7 @@ fn reached(
         .with_scene(scene.clone())
         .set("tries", tries)
         .surface_points("points", 9, of)
-        .surface_points("view", 9, view)
+        .surface_points_before("view", 9, view, &vec![SurfacePoint::NONE; 99 * view.len()])
         .input("nearest", "Owners", &[("count", nearest.len() as u32)], elements(nearest))
         .run()?;
     let (header, found) = outputs.surface_points("reached");

@@ -192,11 +192,13 @@ fn iterations_have_photons_of_their_own() {
     scene.lights[0].kind = LightKind::Point;
     scene.lights[0].intensity = Vec3::ONE;
     scene.lights[0].position = Vec3::new(0.1, 0.2, 0.3);
-    let run = |iteration| {
+    let run_of = |iteration, points, others| {
         let harness = Harness::new(PASS).with_scene(scene.clone()).set("count", 301u32).set("bounces", 3u32);
-        let outputs = harness.surface_points("iteration", iteration, &[SurfacePoint::NONE]).run()?;
+        let [points, others] = [points, others].map(|count| vec![SurfacePoint::NONE; count]);
+        let outputs = harness.surface_points_before("iteration", iteration, &points, &others).run()?;
         Some((outputs.lights("lights"), outputs.surface_points("points")))
     };
+    let run = |iteration| run_of(iteration, 1, 0);
     let (Some(first), Some(second), Some(again)) = (run(4), run(5), run(4)) else { return };
     assert_eq!((&first.0, &first.1.1), (&again.0, &again.1.1), "one iteration has one sequence");
     let (lights, (header, points)) = &first;
@@ -214,6 +216,11 @@ fn iterations_have_photons_of_their_own() {
     assert!(moved >= 300, "{moved} of 300 are elsewhere");
     let [a, b] = [lights, &second.0].map(|lights| fluxes(&lights[..300], 3, 0));
     assert!(a.iter().zip(&b).all(|(a, b)| (a / b - 1.0).abs() < 1e-5), "{a:?}, {b:?}");
+    // A quarter of the points: a quarter of the photons, of as much flux in all.
+    let (few, (header, _)) = run_of(4, 25, 75).unwrap();
+    assert_eq!((few.len(), header.count), (75, 75));
+    let fewer = fluxes(&few, 3, 0);
+    assert!(a.iter().zip(&fewer).all(|(a, b)| (a / b - 1.0).abs() < 1e-5), "{a:?}, {fewer:?}");
 }
 
 #[test]

@@ -1,9 +1,10 @@
 //! Points against what the camera sees at their places of the image.
 
 use glam::{Vec2, Vec3};
-use interfaces::surface_points::{SurfacePoint, SurfacePointsHeader, packed_albedo};
+use interfaces::progress::Progress;
+use interfaces::surface_points::{self, SurfacePoint, SurfacePointsHeader, packed_albedo};
 use pass::FromWgsl;
-use pass_test::{Harness, scene};
+use pass_test::{Harness, elements, scene};
 use ray_tracing::Bvh;
 use scene::{Camera, Scene};
 use std::collections::HashSet;
@@ -196,6 +197,36 @@ fn iterations_follow_the_past() {
     let past = SurfacePoint::default();
     let of_another = run(harness().surface_points("past", 1, &[past])).unwrap();
     assert_eq!(of_another, third, "the past may be of another number of points");
+}
+
+/// Iterations before that of the picture have the first quarter of the points; the rest of the room is empty.
+#[test]
+fn iterations_that_no_picture_shows_have_fewer_points() {
+    let of = |step: u32, steps: u32, rate: u32| {
+        let progress = Progress { step, steps, ..Progress::default() };
+        let harness = Harness::new(PASS).scene("cornell-box").set("count", 10).set("rate", rate);
+        let outputs = harness.input("progress", "Progress", &[], elements(&[progress])).run()?;
+        let mut bytes: Vec<u8> = outputs.read("points");
+        let header = outputs.surface_points("points").0;
+        // As if all of the room were of points.
+        bytes[..4].copy_from_slice(&(10 * rate).to_le_bytes());
+        Some((header, surface_points::from_bytes(&bytes)?.1))
+    };
+    let whole = |rate| run(Harness::new(PASS).scene("cornell-box").set("count", 10).set("rate", rate));
+    for (rate, few) in [(16, 40), (3, 8)] {
+        let Some((_, all)) = whole(rate) else { return };
+        for (step, steps) in [(0, 24), (22, 24)] {
+            let (header, found) = of(step, steps, rate).unwrap();
+            assert_eq!(header.count, few, "{step} of {steps}");
+            assert_eq!(found[..few as usize], all[..few as usize], "{step} of {steps}");
+            assert!(found[few as usize..].iter().all(SurfacePoint::is_none), "{step} of {steps}");
+        }
+        // The next is the last, nothing is known yet, or pictures have been shown.
+        for (step, steps) in [(23, 24), (0, 0), (0, 1), (24, 24), (900, 24)] {
+            let (header, found) = of(step, steps, rate).unwrap();
+            assert_eq!((header.count as usize, &found), (all.len(), &all), "{step} of {steps}");
+        }
+    }
 }
 
 #[test]
