@@ -130,9 +130,15 @@ impl Folder {
 /// Returns the name of the study in a folder, and the text of its file.
 ///
 /// # Errors
-/// Where there is no study.
+/// Where there is no study, or one of cases, which has no file.
 pub fn source(folder: &Path) -> Result<(String, String), StudyError> {
-    read_study(folder).map(|(study, _)| (study.name, study.source))
+    let (study, _) = read_study(folder)?;
+    if study.source.is_empty() {
+        let reason =
+            format!("`{}` has no file, from which a study could be planned: its cells are cases", study.name);
+        return Err(StudyError::Damaged { path: folder.to_owned(), reason });
+    }
+    Ok((study.name, study.source))
 }
 
 /// Returns the keys of the records of cells in a folder, in order.

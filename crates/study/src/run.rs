@@ -476,8 +476,10 @@ fn without_seed(cell: &PlannedCell) -> String {
     format!("{:?} {:?}", RunRequest { seed: 0, ..cell.request.clone() }, cell.search)
 }
 
-/// Returns a description of a cell: `ism on atrium, lights = 256, seed 3`.
+/// Returns a description of a cell: `ism on atrium, lights = 256, seed 3`; without `on` where it has no pipeline, as a case that failed
+/// before there was one.
 pub fn name_of(cell: &Cell) -> String {
+    let pipeline = if cell.pipeline.is_empty() { String::new() } else { format!("{} on ", cell.pipeline) };
     let axes: String = cell.axes.iter().map(|(name, value)| format!(", {name} = {value}")).collect();
-    format!("{} on {}{axes}, seed {}", cell.pipeline, cell.scene, cell.seed)
+    format!("{pipeline}{}{axes}, seed {}", cell.scene, cell.seed)
 }

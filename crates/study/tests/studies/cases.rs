@@ -72,6 +72,10 @@ fn a_case_that_fails_leaves_the_others() {
     let failed = &ran.results.cells[1];
     assert_eq!(failed.outcome, Outcome::Failed { error: "it <broke>".to_owned() });
     assert_eq!((failed.scene.as_str(), failed.pipeline.as_str()), ("second", "all"));
+    let nameless = Cell { pipeline: String::new(), ..failed.clone() };
+    assert_eq!([failed, &nameless].map(study::name_of), ["all on second, seed 0", "second, seed 0"]);
+    let error = study::source(folder.path()).unwrap_err().to_string();
+    assert!(error.contains("`costs` has no file"), "{error}");
     // What is added later is kept.
     ran.results.cells[0].details = "seen".into();
     keep(&ran.results, folder.path()).unwrap();
