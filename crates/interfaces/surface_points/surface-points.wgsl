@@ -24,7 +24,7 @@ struct SurfacePoint {
 
 /// Properties of all points.
 struct SurfacePointsHeader {
-    /// Number of points, those included that are empty.
+    /// Number of points, those included that are empty: at most what there is room for.
     count: u32,
     /// Frames of the algorithm that created the points.
     iteration: u32,
