@@ -1,7 +1,7 @@
 //! What renders, and perhaps not as its user expects: values without effect, light that is left out, units; and names that
 //! mean something else than is asked for. No GPU takes part.
 
-use crate::program::{Done, Folder, command, lightloom, run_in};
+use crate::program::{Done, Folder, lightloom, run_in};
 use frame_graph::{LinkContext, Overrides, Value};
 use renderer::{Assets, Catalog, Compiled};
 
@@ -264,7 +264,7 @@ fn numbers_below_zero_are_values_and_no_flags() {
 #[cfg(feature = "window")]
 #[test]
 fn a_window_without_an_adapter_is_refused_with_advice() {
-    let mut view = command(&crate::adapter::root());
+    let mut view = crate::program::command(&crate::adapter::root());
     let done = Done::of(view.args(["view", "ism", "cornell-box"]).env("VK_DRIVER_FILES", "/nonexistent"));
     let done = done.failure(1, &["error: no graphics adapter was found", "mesa-vulkan-drivers"]);
     assert_eq!(done.err.lines().count(), 1, "{done}");
