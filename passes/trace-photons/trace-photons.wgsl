@@ -68,7 +68,9 @@ fn seed() -> u32 {
 /// The places of lights in this iteration.
 fn places() -> u32 {
 #if ITERATION
-    return settings.count / max(settings.iteration_count / max(iteration.header.count, 1u), 1u);
+    let fraction = max(settings.iteration_count / max(iteration.header.count, 1u), 1u);
+    // A path at least, where there is room for one.
+    return max(settings.count / fraction, min(settings.count, settings.bounces));
 #else
     return settings.count;
 #endif

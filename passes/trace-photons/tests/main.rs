@@ -192,12 +192,13 @@ fn iterations_have_photons_of_their_own() {
     scene.lights[0].kind = LightKind::Point;
     scene.lights[0].intensity = Vec3::ONE;
     scene.lights[0].position = Vec3::new(0.1, 0.2, 0.3);
-    let run_of = |iteration, points, others| {
-        let harness = Harness::new(PASS).with_scene(scene.clone()).set("count", 301u32).set("bounces", 3u32);
+    let run_of_count = |count: u32, iteration, points, others| {
+        let harness = Harness::new(PASS).with_scene(scene.clone()).set("count", count).set("bounces", 3u32);
         let [points, others] = [points, others].map(|count| vec![SurfacePoint::NONE; count]);
         let outputs = harness.surface_points_before("iteration", iteration, &points, &others).run()?;
         Some((outputs.lights("lights"), outputs.surface_points("points")))
     };
+    let run_of = |iteration, points, others| run_of_count(301, iteration, points, others);
     let run = |iteration| run_of(iteration, 1, 0);
     let (Some(first), Some(second), Some(again)) = (run(4), run(5), run(4)) else { return };
     assert_eq!((&first.0, &first.1.1), (&again.0, &again.1.1), "one iteration has one sequence");
@@ -221,6 +222,9 @@ fn iterations_have_photons_of_their_own() {
     assert_eq!((few.len(), header.count), (75, 75));
     let fewer = fluxes(&few, 3, 0);
     assert!(a.iter().zip(&fewer).all(|(a, b)| (a / b - 1.0).abs() < 1e-5), "{a:?}, {fewer:?}");
+    // A path at least.
+    let (one, _) = run_of_count(4, 4, 25, 75).unwrap();
+    assert!(one.len() == 3 && one.iter().all(|light| light.flux[0] > 0.0), "{one:?}");
 }
 
 #[test]
