@@ -46,10 +46,8 @@ var<storage, read> progress: Progress;
 #endif
 var<storage, read_write> points: SurfacePoints;
 
-#if PROGRESS
 /// Points of a frame for each one of an iteration that no picture shows.
 const SPARSE: u32 = 4u;
-#endif
 
 /// The number of iterations before this one.
 fn iteration() -> u32 {

@@ -3,7 +3,7 @@
 use pass::{Content, Fact, Figure, Interface, Member, OutputDesc, PassTypeError, Struct, UseContext};
 
 /// The number of points.
-pub const COUNT: Fact<u32> = Fact::required("count", "the most points, those included that are empty");
+pub const COUNT: Fact<u32> = Fact::required("count", "the number of points that there is room for");
 
 const POINTS: Struct = Struct::new("crates/interfaces/surface_points/surface-points.wgsl", "SurfacePoints");
 

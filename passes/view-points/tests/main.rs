@@ -202,19 +202,18 @@ fn iterations_follow_the_past() {
 /// Iterations before that of the picture have the first quarter of the points; the rest of the room is empty.
 #[test]
 fn iterations_that_no_picture_shows_have_fewer_points() {
+    let harness = |rate: u32| Harness::new(PASS).scene("cornell-box").set("count", 10).set("rate", rate);
     let of = |step: u32, steps: u32, rate: u32| {
         let progress = Progress { step, steps, ..Progress::default() };
-        let harness = Harness::new(PASS).scene("cornell-box").set("count", 10).set("rate", rate);
-        let outputs = harness.input("progress", "Progress", &[], elements(&[progress])).run()?;
+        let outputs = harness(rate).input("progress", "Progress", &[], elements(&[progress])).run()?;
         let mut bytes: Vec<u8> = outputs.read("points");
         let header = outputs.surface_points("points").0;
         // As if all of the room were of points.
         bytes[..4].copy_from_slice(&(10 * rate).to_le_bytes());
         Some((header, surface_points::from_bytes(&bytes)?.1))
     };
-    let whole = |rate| run(Harness::new(PASS).scene("cornell-box").set("count", 10).set("rate", rate));
     for (rate, few) in [(16, 40), (3, 8)] {
-        let Some((_, all)) = whole(rate) else { return };
+        let Some((_, all)) = run(harness(rate)) else { return };
         for (step, steps) in [(0, 24), (22, 24)] {
             let (header, found) = of(step, steps, rate).unwrap();
             assert_eq!(header.count, few, "{step} of {steps}");
