@@ -40,6 +40,7 @@ fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
     let values = [("samples_count", count.into())];
     let mut outputs = cx.declared_with(&values)?;
     let samples = cx.use_cx.buffer(VIEW_SAMPLE, u64::from(count))?;
+    let received = OutputDesc::scratch_u32("received", count);
     let mut hand = |members: &[&str]| {
         let port = outputs.remove(0);
         outputs.push(members.iter().fold(port, |port, member| port.handed(member, "rsm", member)));
@@ -49,12 +50,16 @@ fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         ("contribution", "on-demand") => {
             hand(&["position", "normal", "flux"]);
             outputs[0].members.push(("samples".into(), samples, Usage::Overwrites));
+            outputs.push(received);
             return Ok(outputs);
         }
         ("contribution", "blocks") => hand(&["flux"]),
         _ => {}
     }
     outputs.push(OutputDesc::scratch("samples", samples));
+    if measure == "contribution" {
+        outputs.push(received);
+    }
     if measure == "reflectance" {
         let side = block_side(cx.settings)?;
         let flux = cx.input("rsm").and_then(|rsm| rsm.member("flux")?.texture());
@@ -81,7 +86,14 @@ fn record(cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
     if measure != "flux" {
         let pick = Compute::new(cx.file("view-samples.wgsl"), "pick", Threads::Row(count));
         let is_output = (measure, evaluate) == ("contribution", "on-demand");
-        recording = recording.then(if is_output { pick.bind("samples", "importance.samples") } else { pick });
+        let bound = |step: Compute| if is_output { step.bind("samples", "importance.samples") } else { step };
+        recording = recording.then(bound(pick));
+        if measure == "contribution" && cx.settings.u32("rays_per_sample")? > 0 {
+            let weigh = |entry, threads| bound(Compute::new(cx.file("weigh-samples.wgsl"), entry, threads));
+            let group = cx.use_context().constant("passes/importance-map/weigh-samples.wgsl", "RAYS")?;
+            let receive = weigh("receive", Threads::Row(count.saturating_mul(group)));
+            recording = recording.then(receive).then(weigh("weigh", Threads::Row(1)));
+        }
     }
     if measure == "reflectance" {
         recording = recording.then_all(reflectance(cx)?);

@@ -41,6 +41,13 @@ pub(crate) fn geometry(position: DVec3, normal: DVec3, at: &ViewSample, min_dist
     cosines / (PI * (squared + min_distance * min_distance))
 }
 
+/// Returns what each sample counts, from what it receives: 0 for one that sees no surface.
+pub(crate) fn weights(samples: &[ViewSample], received: &[f64]) -> Vec<f64> {
+    let surfaces = samples.iter().filter(|sample| sample.response != DVec3::ZERO).count();
+    let mean = received.iter().sum::<f64>() / surfaces as f64;
+    received.iter().map(|received| mean / (received + 0.2 * mean)).collect()
+}
+
 /// Returns the response of the view to a light at that position \[extents\] with that normal \[1/extents²\]: the sum of
 /// Eq. 1 per channel of flux.
 pub(crate) fn view_response(

@@ -1,6 +1,8 @@
 //! The shaders against the CPU reference, on a GPU.
 
-use crate::cpu_reference::{ViewSample, importance, luminance, pixel, response, view_response};
+use crate::cpu_reference::{
+    ViewSample, geometry, importance, luminance, pixel, response, view_response, weights,
+};
 use glam::{DVec3, Vec3};
 use importance_map::PASS;
 use interfaces::surface_points::{SurfacePoint, packed_albedo};
@@ -121,7 +123,7 @@ impl Room {
             image("albedo", &|i| Room::albedo(i).extend(1.0).to_array()),
         ];
         let by_flux = set.contains(&("measure", Value::from("flux")));
-        let harness = Harness::new(PASS);
+        let harness = Harness::new(PASS).set("rays_per_sample", 0u32);
         let harness = set.iter().fold(harness, |harness, (name, value)| harness.set(name, value.clone()));
         let harness = harness
             .set("view_samples", SAMPLES)
@@ -154,6 +156,26 @@ impl Room {
             }
         };
         (0..SAMPLES).map(sample).collect()
+    }
+
+    /// What each sample receives of the light of all texels. The room is convex and has the texels, so what is outside of it
+    /// receives nothing.
+    fn received(self) -> Vec<f64> {
+        let extent = f64::from(self.scene().extent());
+        let all: f64 = self.luminances().iter().sum();
+        let of_texel = |sample: &ViewSample, i: u32| {
+            let position = self.position(i).as_dvec3() / extent;
+            let geometry = geometry(position, Room::normal(i).as_dvec3(), sample, f64::from(0.01_f32));
+            self.flux(i).as_dvec3().dot(sample.response) * geometry
+        };
+        let of_sample = |sample: ViewSample| {
+            let inside = (sample.position * extent / f64::from(self.scale)).to_array();
+            if inside.iter().any(|x| !(0.0..=1.0).contains(x)) {
+                return 0.0;
+            }
+            (0..self.texels()).map(|i| of_texel(&sample, i)).sum::<f64>() / all
+        };
+        self.samples().into_iter().map(of_sample).collect()
     }
 
     fn responses(self) -> Vec<DVec3> {
@@ -311,4 +333,54 @@ fn importance_is_local() {
     let (Some(three), Some(four)) = (stored(ROOM, 0.05), stored(other, 0.05)) else { return };
     assert_eq!(three, four[..three.len()], "texels of a further layer are important too");
     assert!(four[three.len()..].iter().any(|f| *f > 0.0));
+}
+
+/// The responses of samples that are weighed by rays, of each three channels.
+fn weighed(room: Room, rays: u32) -> Option<Vec<f32>> {
+    let set = [("evaluate", Value::from("on-demand")), ("rays_per_sample", Value::U32(rays))];
+    let samples: Vec<[f32; 12]> = room.run(&set)?.read("importance.samples");
+    Some(samples.iter().flat_map(|sample| sample[8..11].to_vec()).collect())
+}
+
+fn expected_responses(room: Room) -> Vec<f64> {
+    let samples = room.samples();
+    let weights = weights(&samples, &room.received());
+    std::iter::zip(samples, weights)
+        .flat_map(|(sample, weight)| (sample.response * weight).to_array())
+        .collect()
+}
+
+/// Where one texel alone is bright, each ray to it finds all that a sample receives.
+#[test]
+fn samples_count_by_what_they_receive() {
+    for (scale, flux) in [(1.0, 1.0), (1e-3, 1e30), (1e4, 1e-30)] {
+        let room = Room { scale, flux, size: (1, 1), layers: 2, ..ROOM };
+        assert!(room.flux(0) == Vec3::ZERO, "the second texel alone is bright");
+        let received = room.received();
+        assert!(received.contains(&0.0) && received.iter().any(|x| *x > 0.0));
+        let Some(found) = weighed(room, 32) else { return };
+        assert_close(&found, &expected_responses(room));
+    }
+}
+
+/// Rays to random texels find what all texels give.
+#[test]
+fn rays_estimate_what_a_sample_receives() {
+    let Some([few, many]) = (|| Some([weighed(ROOM, 16)?, weighed(ROOM, 4096)?]))() else { return };
+    let expected = expected_responses(ROOM);
+    let error = |found: &[f32]| {
+        let errors =
+            std::iter::zip(found, &expected).map(|(found, expected)| (f64::from(*found) - expected).abs());
+        errors.sum::<f64>() / expected.iter().sum::<f64>()
+    };
+    let [few, many] = [error(&few), error(&many)];
+    assert!(many < 0.02 && few > 4.0 * many, "{few} of 16 rays, {many} of 4,096");
+}
+
+#[test]
+fn samples_that_receive_nothing_count_alike() {
+    let dark = Room { flux: 0.0, ..ROOM };
+    let Some(found) = weighed(dark, 64) else { return };
+    let expected: Vec<f64> = dark.samples().iter().flat_map(|sample| sample.response.to_array()).collect();
+    assert_close(&found, &expected);
 }
