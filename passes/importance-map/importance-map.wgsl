@@ -62,10 +62,10 @@ struct Settings {
     /// Number P of samples of the view, for the measure contribution. Noise of the importance falls as P^-½; time rises with P ×
     /// texels that are evaluated. TCAS §2 names 0.1 % of the pixels. [default: 256, min: 1, max: 65536]
     view_samples: u32,
-    // DEVIATION(relative): the paper adds up what samples receive.
     /// Rays from each sample of the view to random texels, for the measure contribution, by which a contribution is measured
-    /// relative to what the sample receives: dark places get the lights that they need. More: what a sample receives is less noisy.
-    /// 0: contributions are added up as they are, as in the paper, and bright places decide. [default: 64, min: 0, max: 4096]
+    /// relative to what the sample receives. Dark places then get more of the lights, and bright ones fewer. More: what a sample
+    /// receives is less noisy; 64 are enough. 0: contributions are added up as they are (TCAS Eq. 1), and bright places decide.
+    /// [default: 0, min: 0, max: 4096]
     rays_per_sample: u32,
     // DEVIATION(min-distance): the paper does not bound the distance.
     /// Lower bound on the distance between a texel and a sample of the view in the geometry term. Larger: fewer lights cluster

@@ -31,6 +31,11 @@ fn block_side(settings: &Settings) -> Result<u32, PassTypeError> {
     }
 }
 
+/// Returns whether contributions count relative to what a sample of the view receives.
+fn is_relative(settings: &Settings) -> Result<bool, PassTypeError> {
+    Ok(settings.text("measure")? == "contribution" && settings.u32("rays_per_sample")? > 0)
+}
+
 fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
     let (measure, evaluate) = choices(cx.settings)?;
     let count = match cx.input("points") {
@@ -40,7 +45,7 @@ fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
     let values = [("samples_count", count.into())];
     let mut outputs = cx.declared_with(&values)?;
     let samples = cx.use_cx.buffer(VIEW_SAMPLE, u64::from(count))?;
-    let received = OutputDesc::scratch_u32("received", count);
+    let received = is_relative(cx.settings)?.then(|| OutputDesc::scratch_u32("received", count));
     let mut hand = |members: &[&str]| {
         let port = outputs.remove(0);
         outputs.push(members.iter().fold(port, |port, member| port.handed(member, "rsm", member)));
@@ -50,16 +55,14 @@ fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         ("contribution", "on-demand") => {
             hand(&["position", "normal", "flux"]);
             outputs[0].members.push(("samples".into(), samples, Usage::Overwrites));
-            outputs.push(received);
+            outputs.extend(received);
             return Ok(outputs);
         }
         ("contribution", "blocks") => hand(&["flux"]),
         _ => {}
     }
     outputs.push(OutputDesc::scratch("samples", samples));
-    if measure == "contribution" {
-        outputs.push(received);
-    }
+    outputs.extend(received);
     if measure == "reflectance" {
         let side = block_side(cx.settings)?;
         let flux = cx.input("rsm").and_then(|rsm| rsm.member("flux")?.texture());
@@ -88,7 +91,7 @@ fn record(cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let is_output = (measure, evaluate) == ("contribution", "on-demand");
         let bound = |step: Compute| if is_output { step.bind("samples", "importance.samples") } else { step };
         recording = recording.then(bound(pick));
-        if measure == "contribution" && cx.settings.u32("rays_per_sample")? > 0 {
+        if is_relative(cx.settings)? {
             let weigh = |entry, threads| bound(Compute::new(cx.file("weigh-samples.wgsl"), entry, threads));
             let group = cx.use_context().constant("passes/importance-map/weigh-samples.wgsl", "RAYS")?;
             let receive = weigh("receive", Threads::Row(count.saturating_mul(group)));

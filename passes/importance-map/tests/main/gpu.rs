@@ -123,7 +123,7 @@ impl Room {
             image("albedo", &|i| Room::albedo(i).extend(1.0).to_array()),
         ];
         let by_flux = set.contains(&("measure", Value::from("flux")));
-        let harness = Harness::new(PASS).set("rays_per_sample", 0u32);
+        let harness = Harness::new(PASS);
         let harness = set.iter().fold(harness, |harness, (name, value)| harness.set(name, value.clone()));
         let harness = harness
             .set("view_samples", SAMPLES)
