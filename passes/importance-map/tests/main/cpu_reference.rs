@@ -41,7 +41,7 @@ pub(crate) fn geometry(position: DVec3, normal: DVec3, at: &ViewSample, min_dist
     cosines / (PI * (squared + min_distance * min_distance))
 }
 
-/// Returns what each sample counts, from what it receives: 0 for one that sees no surface.
+/// Returns what each sample counts, from what it receives. Those that see no surface are not in the mean.
 pub(crate) fn weights(samples: &[ViewSample], received: &[f64]) -> Vec<f64> {
     let surfaces = samples.iter().filter(|sample| sample.response != DVec3::ZERO).count();
     let mean = received.iter().sum::<f64>() / surfaces as f64;
