@@ -1,7 +1,7 @@
 // Moves each cluster of texels of a reflective shadow map to the mean of its texels. [ACRSM §4.7]
 //
-// One workgroup per cluster, over its window. All sums have one order: a thread takes every 256th texel of the window, sums them by parts of 64, and workgroup_sum4 adds up
-// the threads.
+// The rectangle that holds a cluster's texels is found first; then one workgroup per cluster goes through it. All sums have one order:
+// a thread takes every 256th texel of the rectangle, sums them by parts of 64, and workgroup_sum4 adds up the threads.
 
 #input clusters: Clusters // The clusters as their texels were mapped.
 #input map: ClusterMap like rsm // The cluster of each texel.
@@ -22,23 +22,50 @@
 #import interface "importance"
 #endif
 
-struct Settings {
-    /// Side of the windows in which texels were mapped [px]; 0 for the layer.
-    window: u32,
-}
-
-var<uniform> settings: Settings;
 var<storage, read> clusters: Clusters;
 var map: texture_2d_array<u32>;
 var rsm_position: texture_2d_array<f32>;
 var rsm_normal: texture_2d_array<f32>;
 var rsm_flux: texture_2d_array<f32>;
 var<storage, read_write> averaged: Clusters;
+/// The rectangle of each cluster's texels, as four numbers that grow from 0: the distances of its left, upper, right and lower side from
+/// the opposite side of the layer. [scratch, count: 4 * clusters.count, cleared]
+var<storage, read_write> sides: array<atomic<u32>>;
 
-/// Texel i of a window, row by row.
-fn texel_of(window: Window, i: u32) -> vec2<u32> {
-    let width = window.high.x - window.low.x;
-    return window.low + vec2(i % width, i / width);
+fn cluster_count() -> u32 {
+    return min(clusters.header.count, arrayLength(&clusters.clusters));
+}
+
+/// Finds the rectangles. A thread a texel, most of which lie within what others have found, and only read.
+@compute @workgroup_size(16, 16)
+fn enclose(@builtin(global_invocation_id) id: vec3<u32>) {
+    let size = textureDimensions(map);
+    if any(id.xy >= size) {
+        return;
+    }
+    let index = textureLoad(map, id.xy, id.z, 0).x;
+    if index >= cluster_count() || clusters.clusters[index].layer != id.z {
+        return;
+    }
+    let distances = vec4(size - id.xy, id.xy + 1u);
+    for (var side = 0u; side < 4u; side++) {
+        if atomicLoad(&sides[4u * index + side]) < distances[side] {
+            atomicMax(&sides[4u * index + side], distances[side]);
+        }
+    }
+}
+
+/// The rectangle that holds a cluster's texels.
+fn rectangle_of(index: u32, size: vec2<u32>) -> Window {
+    let before_low = vec2(atomicLoad(&sides[4u * index]), atomicLoad(&sides[4u * index + 1u]));
+    let high = vec2(atomicLoad(&sides[4u * index + 2u]), atomicLoad(&sides[4u * index + 3u]));
+    return Window(min(size - before_low, high), high);
+}
+
+/// Texel i of a rectangle, row by row.
+fn texel_of(rectangle: Window, i: u32) -> vec2<u32> {
+    let width = rectangle.high.x - rectangle.low.x;
+    return rectangle.low + vec2(i % width, i / width);
 }
 
 /// Sums over texels. Places are offsets from the old centre: far from the origin, their own sum would round
@@ -125,22 +152,22 @@ fn average(row: Row) {
     let thread = row.local;
     let size = textureDimensions(map);
     var old: Cluster;
-    var window = Window(vec2(0u), vec2(0u));
-    if index < min(clusters.header.count, arrayLength(&clusters.clusters)) {
+    var rectangle = Window(vec2(0u), vec2(0u));
+    if index < cluster_count() {
         old = clusters.clusters[index];
         if old.state == CLUSTER_ALIVE {
-            window = window_of(old.uv, settings.window, size);
+            rectangle = rectangle_of(index, size);
         }
     }
-    let sides = window.high - window.low;
-    let length = sides.x * sides.y;
+    let extent = rectangle.high - rectangle.low;
+    let length = extent.x * extent.y;
 
     var sums: Sums;
     for (var first = thread; first < length; first += PART * GROUP_SIZE) {
         var part: Sums;
         let end = min(length, first + PART * GROUP_SIZE);
         for (var i = first; i < end; i += GROUP_SIZE) {
-            let texel = texel_of(window, i);
+            let texel = texel_of(rectangle, i);
             if textureLoad(map, texel, old.layer, 0).x == index {
                 part = added(part, summand(texel, old));
             }
@@ -157,7 +184,7 @@ fn average(row: Row) {
     var farthest2 = 0.0;
     var nearest = vec2(0xffffffffu);
     for (var i = thread; i < select(0u, length, has_texels); i += GROUP_SIZE) {
-        let texel = texel_of(window, i);
+        let texel = texel_of(rectangle, i);
         if textureLoad(map, texel, old.layer, 0).x == index {
             let offset = textureLoad(rsm_position, texel, old.layer, 0).xyz - centre.position;
             farthest2 = max(farthest2, dot(offset, offset));
@@ -212,7 +239,7 @@ fn share_of(cluster: Cluster) -> f32 {
 /// Writes the summary of all clusters, but for the flux of the map, which map-flux.wgsl adds. One workgroup.
 @compute @workgroup_size(GROUP_SIZE)
 fn summarise(@builtin(local_invocation_index) thread: u32) {
-    let count = min(clusters.header.count, arrayLength(&clusters.clusters));
+    let count = cluster_count();
     // Number of those with texels, of those that lost theirs, and the sum of shares.
     var tally = vec4(0.0);
     var flux = vec4(0.0);

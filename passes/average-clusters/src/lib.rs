@@ -57,13 +57,13 @@ impl Pass for AverageClusters {
 
     fn record(&self, cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
         let count = cx.fact("clusters", clusters::COUNT)?;
-        let window = cx.fact("map", cluster_map::WINDOW).unwrap_or(0);
-        let step = |entry, threads| Compute::new(cx.file(MAIN), entry, Threads::Row(threads));
+        let step = |entry, threads| Compute::new(cx.file(MAIN), entry, threads);
         let ((width, height), layers) = (cx.size("rsm"), cx.layers("rsm"));
         let shader = cx.file("map-flux.wgsl");
         let flux = reduce::steps(&cx.use_context(), &shader, width * height * layers, "flux_sums")?;
-        Ok(Recording::one(step("average", count * GROUP_SIZE).value("window", window))
-            .then(step("summarise", 1))
+        Ok(Recording::one(step("enclose", Threads::Grid([width, height, layers])))
+            .then(step("average", Threads::Row(count * GROUP_SIZE)))
+            .then(step("summarise", Threads::Row(1)))
             .then_all(flux))
     }
 }

@@ -1,7 +1,7 @@
 //! The CPU reference of average-clusters.wgsl and map-flux.wgsl in `f64`.
 
-use glam::{DVec2, DVec3, Vec2, Vec3};
-use gpu_algorithms::reference::clustering::{Texel, Texels, direction_of, window_of};
+use glam::{DVec2, DVec3, Vec3};
+use gpu_algorithms::reference::clustering::{Texel, Texels, direction_of};
 use interfaces::clusters::{Cluster, state};
 use std::f64::consts::PI;
 
@@ -60,21 +60,13 @@ pub(crate) struct Summary {
 const LEAST_NORMAL: f64 = 1e-3;
 
 /// Returns the cluster `index` with its texels in `map`; `None` where it has none.
-pub(crate) fn average(
-    index: u32,
-    old: &Cluster,
-    map: &[u32],
-    rsm: &Texels,
-    window: u32,
-    area: Area,
-) -> Option<Averaged> {
+pub(crate) fn average(index: u32, old: &Cluster, map: &[u32], rsm: &Texels, area: Area) -> Option<Averaged> {
     if old.state != state::ALIVE {
         return None;
     }
-    let window = window_of(Vec2::from(old.uv).as_dvec2(), window, rsm.size);
     let own: Vec<(usize, DVec2, &Texel)> = rsm
         .lit()
-        .filter(|(i, at, _)| map[*i] == index && at.z == old.layer && window.holds(at.truncate()))
+        .filter(|(i, at, _)| map[*i] == index && at.z == old.layer)
         .map(|(i, at, texel)| (i, at.truncate().as_dvec2() + 0.5, texel))
         .collect();
     let share = 1.0 / own.len() as f64;

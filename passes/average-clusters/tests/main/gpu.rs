@@ -28,7 +28,6 @@ pub(crate) struct World {
     pub(crate) clusters: Vec<Cluster>,
     /// The cluster of each texel.
     pub(crate) map: Vec<u32>,
-    pub(crate) window: u32,
     pub(crate) area: Area,
 }
 
@@ -49,13 +48,12 @@ impl World {
             importance: None,
             clusters: vec![cluster; count as usize],
             map,
-            window: 0,
             area: Area::Texels,
         }
     }
 
-    /// Everything at random: a seventh of the texels is unlit, others are in a cluster that may not be alive or whose
-    /// window does not reach them.
+    /// Everything at random: a seventh of the texels is unlit, others are within a window of this side around their cluster, or in a
+    /// cluster that may not be alive or is in another layer.
     fn random(size: (u32, u32), layers: u32, clusters: u32, window: u32) -> World {
         let texel = |i| {
             let seen = if i % 7 == 3 { 0.0 } else { 1.0 };
@@ -92,7 +90,7 @@ impl World {
         };
         let map = (0..texels.len() as u32).map(of).collect();
         let importance = Some((0..texels.len() as u32).map(|i| number(i, 80)).collect());
-        World { size, importance, clusters, map, window, texels, area: Area::Texels }
+        World { size, importance, clusters, map, texels, area: Area::Texels }
     }
 
     pub(crate) fn run(&self) -> Option<(ClustersHeader, Vec<Cluster>)> {
@@ -101,8 +99,7 @@ impl World {
             .set("area", if self.area == Area::Disk { "disk" } else { "texels" })
             .rsm(self.size, &self.texels)
             .clusters(&header, &self.clusters)
-            .cluster_map(self.size, &self.map, self.clusters.len() as u32)
-            .fact("window", self.window);
+            .cluster_map(self.size, &self.map, self.clusters.len() as u32);
         let harness = match &self.importance {
             Some(importance) => harness.importance(self.size, importance),
             None => harness,
@@ -120,7 +117,7 @@ impl World {
     pub(crate) fn expected(&self) -> Vec<Option<Averaged>> {
         let rsm = self.rsm();
         let numbered = (0..).zip(&self.clusters);
-        numbered.map(|(i, old)| average(i, old, &self.map, &rsm, self.window, self.area)).collect()
+        numbered.map(|(i, old)| average(i, old, &self.map, &rsm, self.area)).collect()
     }
 }
 
