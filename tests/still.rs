@@ -34,7 +34,11 @@ fn clusters_rest_in_a_still_scene() {
         assert!(renderer.report().ran.iter().all(|ran| !ran), "{pipeline}: nothing runs");
         moved(&mut renderer);
         let after = pictures(&mut renderer, 3);
-        assert!(after[0] != after[1] && after[1] != after[2], "{pipeline}: they go on");
+        let mapped = renderer.plan().unwrap().pass("lights/map").expect("texels are mapped");
+        assert!(renderer.report().ran[mapped.0 as usize], "{pipeline}: they go on");
+        // Those that are neither merged nor split have come to the end of k-means.
+        let ends = pipeline == "rsm-clustering";
+        assert!(ends || (after[0] != after[1] && after[1] != after[2]), "{pipeline}: they move");
     }
 }
 

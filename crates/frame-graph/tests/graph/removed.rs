@@ -2,7 +2,7 @@
 
 use super::kinds::{MemoryFiles, TestPassTypes};
 use super::whole::{BASE, SHADOWS};
-use frame_graph::{Overrides, Resolved, Severity, diff, resolve};
+use frame_graph::{LinkContext, Overrides, Resolved, Severity, diff, link, resolve};
 
 const EMPTY_PART: &str = r#"Pipeline(extends: "parts/shadows.ron", patch: [ Remove("splat") ])"#;
 
@@ -106,4 +106,22 @@ fn differences_and_the_flattened_pipeline_are_reported_to_programs() {
     assert_eq!(filter["links"][1]["from"], "gather");
     assert_eq!(filter["links"][1]["origin"]["file"], "base.ron");
     assert_eq!(json["ron"], other.to_ron(&TestPassTypes::new(), true));
+}
+
+/// A removed pass whose `off:` is an input leads to what that input read, which another patch may have removed too.
+#[test]
+fn what_off_leads_to_may_be_removed_too() {
+    let soft = r#"Insert(name: "soft", pass: Pass(kind: "soften", off: Input("atlas")), between: ("shadows", "gather.visibility"))"#;
+    let linked = |patches: &str| {
+        let context = LinkContext { frame: (320, 200), ..LinkContext::default() };
+        let resolved = resolved(&format!("patch: [ {soft}, {patches} ]"));
+        link(&resolved, &TestPassTypes::new(), &context).map(|_| resolved.warnings().to_string())
+    };
+    let lost = "`gather` is left without its input `visibility`";
+    assert!(!linked(r#"Remove("soft")"#).expect("`gather` reads the maps").contains(lost));
+    for order in [r#"Remove("soft"), Remove("shadows")"#, r#"Remove("shadows"), Remove("soft")"#] {
+        assert!(linked(order).expect("`gather` reads nothing").contains(lost), "{order}");
+    }
+    let error = linked(r#"Remove("shadows")"#).expect_err("a pass that stays has no input").to_string();
+    assert!(error.contains("E043"), "{error}");
 }
