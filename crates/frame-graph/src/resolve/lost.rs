@@ -69,7 +69,8 @@ impl Resolved {
             link = match (&decl.body, &decl.off) {
                 (Body::Removed, _) => return decl.removed.map(|_| found),
                 (_, Some(At { value: off, .. })) if decl.removed.is_some() => match off {
-                    Off::Input(port) => decl.link(port)?,
+                    // What is fed to an inserted pass has no port yet.
+                    Off::Input(port) => decl.link(port).or(decl.feed.as_ref())?,
                     Off::Link(other) => other,
                 },
                 (Body::Group(group), _) => {

@@ -177,9 +177,6 @@ impl TestPassTypes {
                     Ok(vec![OutputDesc::one("atlas", ResourceDesc::buffer(64))])
                 },
             ),
-            kind("soften", vec![], ports(&["atlas: Visibility"], &["soft: Visibility"], none), |_| {
-                Ok(vec![OutputDesc::one("soft", ResourceDesc::buffer(64))])
-            }),
             kind(
                 "gather",
                 vec![],

@@ -1,6 +1,6 @@
 //! What is lost with a pass that a patch removes, and what a comparison reports of it.
 
-use super::kinds::{MemoryFiles, TestPassTypes};
+use super::kinds::{MemoryFiles, TestPassTypes, traits};
 use super::whole::{BASE, SHADOWS};
 use frame_graph::{LinkContext, Overrides, Resolved, Severity, diff, link, resolve};
 
@@ -111,17 +111,19 @@ fn differences_and_the_flattened_pipeline_are_reported_to_programs() {
 /// A removed pass whose `off:` is an input leads to what that input read, which another patch may have removed too.
 #[test]
 fn what_off_leads_to_may_be_removed_too() {
-    let soft = r#"Insert(name: "soft", pass: Pass(kind: "soften", off: Input("atlas")), between: ("shadows", "gather.visibility"))"#;
+    let extra = r#"passes: { "extra": Pass(kind: "noise") }"#;
+    let read = r#"Replace("image", Pass(kind: "composite", in: { "glossy": "extra" }))"#;
+    let soft = r#"Insert(name: "soft", pass: Pass(kind: "blur", off: Input("irradiance")), between: ("extra", "image.glossy"))"#;
     let linked = |patches: &str| {
-        let context = LinkContext { frame: (320, 200), ..LinkContext::default() };
-        let resolved = resolved(&format!("patch: [ {soft}, {patches} ]"));
-        link(&resolved, &TestPassTypes::new(), &context).map(|_| resolved.warnings().to_string())
+        let resolved = resolved(&format!("{extra}, patch: [ {read}, {soft}, {patches} ]"));
+        link(&resolved, &TestPassTypes::new(), &LinkContext { frame: (320, 200), traits: traits() })
+            .map(|_| resolved.warnings().to_string())
     };
-    let lost = "`gather` is left without its input `visibility`";
-    assert!(!linked(r#"Remove("soft")"#).expect("`gather` reads the maps").contains(lost));
-    for order in [r#"Remove("soft"), Remove("shadows")"#, r#"Remove("shadows"), Remove("soft")"#] {
-        assert!(linked(order).expect("`gather` reads nothing").contains(lost), "{order}");
+    let lost = "`image` is left without its input `glossy`";
+    assert!(!linked(r#"Remove("soft")"#).expect("`image` reads the noise").contains(lost));
+    for order in [r#"Remove("soft"), Remove("extra")"#, r#"Remove("extra"), Remove("soft")"#] {
+        assert!(linked(order).expect("`image` reads nothing").contains(lost), "{order}");
     }
-    let error = linked(r#"Remove("shadows")"#).expect_err("a pass that stays has no input").to_string();
+    let error = linked(r#"Remove("extra")"#).expect_err("a pass that stays has no input").to_string();
     assert!(error.contains("E043"), "{error}");
 }
