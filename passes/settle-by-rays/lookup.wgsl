@@ -5,12 +5,15 @@
 #option DEFERS false internal // whether readers ask `visibility_at_once` first; the pass sets it
 
 #import "atlas-lookup.wgsl"
+#import "disc-shadow.wgsl"
 #import "light-ray.wgsl"
 
 struct VisibilityFacts {
     atlas: AtlasFacts,
     /// How far behind what is stored a receiver is hidden for sure, in widths of a texel.
     doubt: f32,
+    /// The distance from a light within which a ray decides, in radii of a disc of the light's area.
+    near: f32,
 }
 
 var<uniform> visibility_facts: VisibilityFacts;
@@ -41,6 +44,10 @@ fn verdict_of_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f
     let lookup = atlas_lookup(light, at, normal);
     if lookup.behind {
         return 0.0;
+    }
+    // A light that is this near is a good part of the receiver's light.
+    if light.kind == ON_SURFACE && lookup.distance < visibility_facts.near * disc_radius(light.area) {
+        return -FAR;
     }
     let tile = visibility_facts.atlas.tile;
     let texel = texel_in_map(lookup.position, tile);
