@@ -183,8 +183,7 @@ fn pixel_of_list(group: vec3<u32>, place: u32) -> vec2<u32> {
     return group.xy * GROUP_SIDE + vec2(index % GROUP_SIDE, index / GROUP_SIDE);
 }
 
-/// Whether a pixel sees a surface that too few pixels of the window of the interleaving see. The window and what counts as
-/// the same surface are those of geometry-aware-blur.
+/// Whether a pixel sees a surface that too few pixels of the window of the interleaving see.
 fn is_alone(pixel: vec2<u32>, interleave: vec2<u32>) -> bool {
     let place = place_at(pixel, settings.view_size);
     if !place.seen {
@@ -192,18 +191,7 @@ fn is_alone(pixel: vec2<u32>, interleave: vec2<u32>) -> bool {
     }
     let depth = textureLoad(view_depth, pixel, 0).x;
     let around = surface_around(pixel, settings.view_size, depth, place.normal);
-    let reach = vec2<i32>(interleave) / 2;
-    var alike = 0u;
-    for (var y = -reach.y; y <= reach.y; y++) {
-        for (var x = -reach.x; x <= reach.x; x++) {
-            let other = vec2<i32>(pixel) + vec2(x, y);
-            // As unsigned numbers, negative ones are large.
-            if all(vec2<u32>(other) < settings.view_size) {
-                alike += select(0u, 1u, is_same_surface(around, other, SAME_PLANE, SAME_NORMAL));
-            }
-        }
-    }
-    return alike < settings.complete_below;
+    return alike_in_window(around, settings.view_size, interleave) < settings.complete_below;
 }
 
 /// The terms of a light at a pixel, without its visibility.

@@ -48,6 +48,23 @@ fn is_same_surface(around: SurfaceAround, other: vec2<i32>, plane: f32, cosine: 
     return other_depth > 0.0 && off_plane(around, other, other_depth) <= plane && along >= cosine;
 }
 
+/// How many pixels of a window of the interleaving around the centre see its surface, itself counted: those that
+/// geometry-aware-blur takes the mean of. The view has `size` pixels.
+fn alike_in_window(around: SurfaceAround, size: vec2<u32>, interleave: vec2<u32>) -> u32 {
+    let reach = vec2<i32>(interleave) / 2;
+    var alike = 0u;
+    for (var y = -reach.y; y <= reach.y; y++) {
+        for (var x = -reach.x; x <= reach.x; x++) {
+            let other = around.pixel + vec2(x, y);
+            // As unsigned numbers, negative ones are large.
+            if all(vec2<u32>(other) < size) {
+                alike += select(0u, 1u, is_same_surface(around, other, SAME_PLANE, SAME_NORMAL));
+            }
+        }
+    }
+    return alike;
+}
+
 /// Likeness in [0, 1] of what another pixel sees: falls with the distance from the centre's plane, in units of `plane` (a
 /// fraction of the depth), and with the angle between normals, as a power of its cosine.
 fn likeness(around: SurfaceAround, other: vec2<i32>, plane: f32, power: f32) -> f32 {

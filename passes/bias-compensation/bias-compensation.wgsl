@@ -6,7 +6,7 @@
 // a density, which changes little from one light to the next.
 //
 // The pixels of a window of the interleaving share one stratified set of rays, as they share one set of lights. A pixel traces more of them
-// where the first rays of those around it differ.
+// where the first rays of those around it differ, and where few pixels of its window see its surface.
 //
 // compensated: rgba32float [W/m²]; alpha is what bounds took away, less what the rays returned. As a difference of two estimates it can be
 // negative at a pixel.
@@ -28,6 +28,7 @@
 #import "hemisphere.wgsl"
 #import "reflected-light.wgsl"
 #import "sobol.wgsl"
+#import "surface-around.wgsl"
 #import "tangent-frame.wgsl"
 #import "view-geometric.wgsl"
 #if LIGHTS
@@ -57,8 +58,6 @@ struct Settings {
 }
 
 var<uniform> settings: Settings;
-var view_depth: texture_2d<f32>;
-var view_normal: texture_2d<f32>;
 #if LIGHTS
 var<storage, read> lights: VirtualLights;
 #endif
@@ -86,6 +85,8 @@ struct RaySet {
     place: u32,
     window: u32,
     seed: u32,
+    /// The pixels of a window of the interleaving whose mean a filter takes.
+    alike: u32,
     /// Where the run of lights begins in which the nearest is sought, below 1.
     start: f32,
 }
@@ -112,7 +113,7 @@ fn compensate(
     }
     workgroupBarrier();
     if depth > 0.0 {
-        let count = wanted_rays(index, rays.window);
+        let count = wanted_rays(index, rays);
         sum += sum_of_rays(rays, settings.rays_per_pixel, count);
         let returned = sum / f32(max(count, 1u));
         whole += vec4(returned, -luminance(returned));
@@ -129,6 +130,7 @@ fn rays_of_pixel(pixel: vec2<u32>, group: vec2<u32>, depth: f32) -> RaySet {
     let interleave = max(vec2(settings.irradiance_interleave_x, settings.irradiance_interleave_y), vec2(1u));
     let window = pixel / interleave;
     let within = pixel % interleave;
+    let around = surface_around(pixel, settings.view_size, depth, normal);
     return RaySet(
         at,
         offset_origin(at, plane),
@@ -137,14 +139,18 @@ fn rays_of_pixel(pixel: vec2<u32>, group: vec2<u32>, depth: f32) -> RaySet {
         within.y * interleave.x + within.x,
         interleave.x * interleave.y,
         hash2(settings.seed, hash2(window.x, window.y)),
+        clamp(alike_in_window(around, settings.view_size, interleave), 1u, interleave.x * interleave.y),
         unit_float(hash2(group.x, group.y)),
     );
 }
 
-/// How many rays a pixel traces: as many as bring the mean over a window to `noise`, by how the first rays of the other pixels of the
-/// workgroup differ. Its own do not count: pixels whose first rays return little would keep to these, and the mean would be wrong.
-fn wanted_rays(index: u32, window: u32) -> u32 {
+/// How many rays a pixel traces: those of the pixels of its window that see another surface too, and as many as bring the mean that a
+/// filter takes to `noise`, by how the first rays of the other pixels of the workgroup differ. Its own do not count: pixels whose first rays return little
+/// would keep to these, and the mean would be wrong.
+fn wanted_rays(index: u32, rays: RaySet) -> u32 {
     let least = settings.rays_per_pixel;
+    let most = max(settings.most_rays, least);
+    let of_window = min((least * rays.window + rays.alike - 1u) / rays.alike, most);
     var returned = 0.0;
     var before = 0.0;
     for (var i = 0u; i <= OTHERS; i++) {
@@ -152,15 +158,15 @@ fn wanted_rays(index: u32, window: u32) -> u32 {
         before += select(firsts[i].y / f32(OTHERS), 0.0, i == index);
     }
     if returned <= 0.0 {
-        return least;
+        return of_window;
     }
     var variance = 0.0;
     for (var i = 0u; i <= OTHERS; i++) {
         let away = (firsts[i].x - returned) / (returned + before);
         variance += select(away * away / f32(OTHERS), 0.0, i == index);
     }
-    let wanted = variance * f32(least) / max(f32(window) * settings.noise * settings.noise, 1e-37);
-    return clamp(u32(min(wanted, f32(settings.most_rays))), least, max(settings.most_rays, least));
+    let wanted = variance * f32(least) / max(f32(rays.alike) * settings.noise * settings.noise, 1e-37);
+    return clamp(u32(min(wanted, f32(most))), of_window, most);
 }
 
 #if LIGHTS

@@ -18,6 +18,11 @@ const EXTENT: f32 = 2.0 * std::f32::consts::SQRT_2;
 /// The pass for receivers that face the middle of a sunlit plane of albedo ½ from the height `height` \[m\]; each had the
 /// irradiance `before`.
 fn over_plane(height: f32, before: [f32; 4]) -> Harness<'static> {
+    over_plane_by(|_| height, before)
+}
+
+/// The same with a height for each column of pixels.
+fn over_plane_by(height: impl Fn(u32) -> f32, before: [f32; 4]) -> Harness<'static> {
     let mut scene = pass_test::scene("plane");
     let sun = LightKind::Directional;
     let light = scene.lights[0].clone();
@@ -33,7 +38,7 @@ fn over_plane(height: f32, before: [f32; 4]) -> Harness<'static> {
             near: 0.01,
         })
         .frame(SIDE, SIDE)
-        .seen(|_, _| (1.0 - height, [0.0, -1.0, 0.0]))
+        .seen(|x, _| (1.0 - height(x), [0.0, -1.0, 0.0]))
         .irradiance((4, 2), |_, _| before)
 }
 
@@ -191,8 +196,37 @@ fn pixels_trace_more_rays_where_they_differ() {
         // Beside much light the same noise is little.
         let bright = of(16, 1e3 * wanted as f32).expect("the adapter is still there");
         let dark = of(1, 1e3 * wanted as f32).expect("the adapter is still there");
-        assert_eq!(bright, dark, "at {height}");
+        let whole_windows = |pixels: &[[f32; 4]]| {
+            let inside = 2..SIDE as usize - 2;
+            inside
+                .clone()
+                .flat_map(|y| pixels[y * SIDE as usize..][inside.clone()].to_vec())
+                .collect::<Vec<_>>()
+        };
+        assert!(whole_windows(&bright) == whole_windows(&dark), "at {height}");
     }
+}
+
+/// A pixel whose window sees other surfaces traces the rays of the pixels that do, since a filter finds none of them.
+#[test]
+fn pixels_alone_on_a_surface_trace_the_rays_of_their_window() {
+    let of = |most: u32, stripes: bool| {
+        let height = |x| if stripes && x % 4 != 1 { 0.1 } else { 0.05 };
+        let harness = over_plane_by(height, [1e3, 1e3, 1e3, 0.0]);
+        let harness = harness.set("rays_per_pixel", 1u32).set("most_rays", most).set("noise", 1.0f32);
+        let pixels: Vec<[f32; 4]> = harness.fact("clamp", 0.4 / EXTENT).run()?.read("compensated");
+        // A column of every fourth.
+        let column =
+            |i: u32| f64::from(pixels[((2 + i / 14) * SIDE + 4 * (1 + i % 14) + 1) as usize][0]) - 1e3;
+        Some((0..14 * 60).map(column).collect::<Vec<f64>>())
+    };
+    let Some(alone) = of(8, true) else { return };
+    let [few, among] = [(1, true), (8, false)].map(|(most, stripes)| of(most, stripes).expect("an adapter"));
+    // Of the 15 pixels of a window three see the column's surface: three rays each are eight together, or one more.
+    let ratio = variance(&alone) / variance(&few);
+    assert!((0.15..0.5).contains(&ratio), "three rays have {ratio} of the variance of one");
+    let same = of(1, false).expect("an adapter");
+    assert!(among == same, "no more rays where all pixels see one surface");
 }
 
 /// The eight pixels of a window of the interleaving share one set of stratified rays, so that their mean, which a filter
