@@ -15,6 +15,7 @@
 #option IMPORTANCE false // whether importance is averaged
 
 #import "algorithms/workgroup.wgsl"
+#import "cluster-count.wgsl"
 #import "clustering.wgsl"
 #import "color.wgsl"
 #import "dispatch.wgsl"
@@ -22,7 +23,6 @@
 #import interface "importance"
 #endif
 
-var<storage, read> clusters: Clusters;
 var map: texture_2d_array<u32>;
 var rsm_position: texture_2d_array<f32>;
 var rsm_normal: texture_2d_array<f32>;
@@ -31,10 +31,6 @@ var<storage, read_write> averaged: Clusters;
 /// The rectangle of each cluster's texels, as four numbers that grow from 0: the distances of its left, upper, right and lower side from
 /// the opposite side of the layer. [scratch, count: 4 * clusters.count, cleared]
 var<storage, read_write> sides: array<atomic<u32>>;
-
-fn cluster_count() -> u32 {
-    return min(clusters.header.count, arrayLength(&clusters.clusters));
-}
 
 /// Finds the rectangles. A thread a texel, most of which lie within what others have found, and only read.
 @compute @workgroup_size(16, 16)

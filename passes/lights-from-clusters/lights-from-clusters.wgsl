@@ -12,17 +12,13 @@
 #option PLACE mean one_of [mean, texel] // The position of a light. mean: at the mean of its texels (ACRSM §4.7), which lies within or before the surfaces where a cluster goes around an edge. texel: on a surface, at the texel that is nearest to the mean place in the map.
 
 #import "algorithms/sum-vec4.wgsl"
+#import "cluster-count.wgsl"
 #import "clustering.wgsl"
 #import "rsm-light.wgsl"
 
-var<storage, read> clusters: Clusters;
 /// The flux of all lights before they are scaled [W]. [scratch]
 var<storage, read_write> unscaled: vec4<f32>;
 var<storage, read_write> lights: VirtualLights;
-
-fn cluster_count() -> u32 {
-    return min(clusters.header.count, arrayLength(&clusters.clusters));
-}
 
 /// The flux of a light before it is scaled.
 fn unscaled_flux(cluster: Cluster) -> vec3<f32> {

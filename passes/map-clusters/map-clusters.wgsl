@@ -16,6 +16,7 @@
 #option FLUX false internal // whether flux counts
 
 #import "algorithms/workgroup.wgsl"
+#import "cluster-count.wgsl"
 #import "clustering.wgsl"
 #import "color.wgsl"
 #import "scene.wgsl"
@@ -50,7 +51,6 @@ struct Settings {
 }
 
 var<uniform> settings: Settings;
-var<storage, read> clusters: Clusters;
 var rsm_position: texture_2d_array<f32>;
 var rsm_normal: texture_2d_array<f32>;
 #if FLUX
@@ -241,7 +241,7 @@ fn map_texels(
         texels[t] = mapped(corner + local.xy + SIDE * vec2(t % SPAN, t / SPAN), group.z);
         lit |= texels[t].lit;
     }
-    let end = min(min(clusters.header.count, arrayLength(&clusters.clusters)), settings.end);
+    let end = min(cluster_count(), settings.end);
     for (var first = settings.begin; first < end; first += GROUP_SIZE) {
         let listed = list_chunk(thread, first, end, tile, group.z);
         for (var i = 0u; i < select(0u, listed, lit); i++) {
