@@ -145,8 +145,8 @@ fn rays_of_pixel(pixel: vec2<u32>, group: vec2<u32>, depth: f32) -> RaySet {
 }
 
 /// How many rays a pixel traces: those of the pixels of its window that see another surface too, and as many as bring the mean that a
-/// filter takes to `noise`, by how the first rays of the other pixels of the workgroup differ. Its own do not count: pixels whose first rays return little
-/// would keep to these, and the mean would be wrong.
+/// filter takes to `noise`, by how the first rays of the other pixels of the workgroup differ. Its own do not count: pixels whose first
+/// rays return little would keep to these, and the mean would be wrong.
 fn wanted_rays(index: u32, rays: RaySet) -> u32 {
     let least = settings.rays_per_pixel;
     let most = max(settings.most_rays, least);
