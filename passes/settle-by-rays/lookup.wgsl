@@ -1,19 +1,16 @@
 // Visibility by an atlas of maps of the distance where they are sure, and by rays elsewhere.
 
-#option LIT edges one_of [believed, edges, all] // Which receivers a ray decides of that are lit as far as their texel tells. believed:
-    // none. edges: those with something nearer in a texel beside theirs. all: also those whose own surface is not in their texel.
+#option LIT all one_of [believed, edges, all] // Which answers of a texel a ray decides of. believed: none but what lies little behind
+    // it. edges: also those that a texel beside it answers otherwise. all: also those of receivers that are lit, but whose own surface is not in their texel.
 #option DEFERS false internal // whether readers ask `visibility_at_once` first; the pass sets it
 
 #import "atlas-lookup.wgsl"
-#import "disc-shadow.wgsl"
 #import "light-ray.wgsl"
 
 struct VisibilityFacts {
     atlas: AtlasFacts,
     /// How far behind what is stored a receiver is hidden for sure, in widths of a texel.
     doubt: f32,
-    /// The distance from a light within which a ray decides, in radii of a disc of the light's area.
-    near: f32,
 }
 
 var<uniform> visibility_facts: VisibilityFacts;
@@ -24,17 +21,17 @@ const SAME_SURFACE: f32 = 0.05;
 #if LIT != believed
 const NEIGHBOURS = array(vec2(-1, 0), vec2(1, 0), vec2(0, -1), vec2(0, 1));
 
-/// Whether something nearer than the receiver's plane is in a texel beside this one.
-fn is_at_edge(lookup: ParaboloidLookup, index: u32, texel: vec2<u32>) -> bool {
+/// How many of the four texels beside this one have something nearer than the receiver's plane.
+fn hiding_beside(lookup: ParaboloidLookup, index: u32, texel: vec2<u32>) -> u32 {
     let tile = visibility_facts.atlas.tile;
     let origin = origin_in_atlas(index);
     var neighbours = NEIGHBOURS;
-    var hides = false;
+    var hiding = 0u;
     for (var n = 0u; n < 4u; n++) {
         let other = vec2<u32>(clamp(vec2<i32>(texel) + neighbours[n], vec2(0), vec2(i32(tile) - 1)));
-        hides |= !is_seen(lookup, other, tile, stored_in_atlas(origin, other));
+        hiding += select(1u, 0u, is_seen(lookup, other, tile, stored_in_atlas(origin, other)));
     }
-    return hides;
+    return hiding;
 }
 #endif
 
@@ -45,24 +42,24 @@ fn verdict_of_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f
     if lookup.behind {
         return 0.0;
     }
-    // A light that is this near is a good part of the receiver's light.
-    if light.kind == ON_SURFACE && lookup.distance < visibility_facts.near * disc_radius(light.area) {
-        return -FAR;
-    }
     let tile = visibility_facts.atlas.tile;
     let texel = texel_in_map(lookup.position, tile);
     let stored = stored_in_atlas(origin_in_atlas(index), texel);
     let own = own_distance(lookup, texel, tile);
     let doubt = max(visibility_facts.doubt * lookup.width, lookup.bias);
     if own - doubt > stored {
+#if LIT == believed
         return 0.0;
+#else
+        return select(-FAR, 0.0, hiding_beside(lookup, index, texel) == 4u);
+#endif
     }
     if own - SAME_SURFACE * lookup.bias > stored {
         return -doubt;
     }
     var is_sure = true;
 #if LIT != believed
-    is_sure = !is_at_edge(lookup, index, texel);
+    is_sure = hiding_beside(lookup, index, texel) == 0u;
 #endif
 #if LIT == all
     is_sure &= stored - own <= SAME_SURFACE * lookup.bias;

@@ -27,6 +27,9 @@
 // DEVIATION(surfel): the paper stores one distance, in a square of the point's solid angle.
 #option KERNEL surfel one_of [box, surfel] // What a splat covers. box: a square, at one distance (ISM §3.2). surfel: the texels
     // whose rays meet the point's triangle, no farther from the point than the surface that it stands for; takes longer.
+// DEVIATION(traced): the paper splats points alone.
+#option TRACED false // Whether rays find what is splatted, too. What is near a light is large in its map, but small in the scene, where it
+    // has few points: light leaks past it. Rays need a hierarchy over the triangles.
 #option MASKED false // whether triangles do not count where alpha is below their material's cutoff
 #option KEEP false // Whether the maps of lights that stay go on filling: each frame adds other points, so a map comes nearer to an
     // exact one. Where geometry moves, all begin anew. It needs the links `past` and `rendered`.
@@ -35,8 +38,10 @@
 #output stands: Stands(count: lights.count) // Where the lights stand whose maps these are.
 #endif
 
+#import "algorithms/morton.wgsl"
 #import "counters.wgsl"
 #import "dispatch.wgsl"
+#import "ray-tracing.wgsl"
 #import "surfel.wgsl"
 #import interface "points"
 #if KEEP
@@ -58,6 +63,9 @@ struct Settings {
     /// others, and those behind it none. 1 takes points as they come, by area. More: fewer holes and thinner shadows near the
     /// light, but more time. [default: 4, min: 1, max: 16]
     candidates: u32,
+    /// Side of the square of texels of which each ray finds a surface, with `traced`. 1 makes nearly exact maps; more: more light that
+    /// leaks, but less time. [default: 2, min: 1, max: 512, unit: "px"]
+    texels_per_ray: u32,
     /// The most points of all maps together, candidates included, which bounds the time. If more are requested, all maps lose
     /// the same share; the port `counters` gives the numbers of points requested and generated. [default: 33554432, min: 1,
     /// max: 1073741824]
@@ -75,10 +83,13 @@ struct Settings {
     frames: u32,
     /// Points of all maps that were requested.
     wanted: u32,
-    /// The first of the maps that are bound.
+    /// The first of the maps that are bound, and the one after the last.
     first_map: u32,
+    end_map: u32,
     /// The greatest side of a splat [px].
     side: f32,
+    /// Rays along each side of a map.
+    rays_across: u32,
     /// The splats of these maps: from the first to before the end, where their number is padded to whole blocks.
     first: u32,
     end: u32,
@@ -108,6 +119,15 @@ var<storage, read_write> stands: Stands;
 
 /// The distance of an empty texel, +∞.
 const EMPTY: u32 = 0x7f800000u;
+/// Part of the seed of the places of rays.
+const RAY_PLACES: u32 = 0x7370u;
+
+#if TRACED
+/// Of the side of a splat: what rays find need not be hidden by wide surfels.
+const SHARE_OF_SIDE: f32 = 0.7;
+#else
+const SHARE_OF_SIDE: f32 = 1.0;
+#endif
 
 #if KEEP
 /// Frames in which points fell into a map before.
@@ -197,25 +217,88 @@ fn splat(row: Row) {
     let light = lights.lights[map];
     let frame = frame_from_normal(light.normal);
     var samples = settings.samples;
-    var share = 1.0;
+    var before = 0u;
 #if KEEP
-    let before = frames_before(map);
+    before = frames_before(map);
     if before >= settings.frames {
         return;
     }
     samples.turn = settings.rendered_age;
-    share = 1.0 / f32(before + 1u);
 #endif
     let splat = chosen(samples, settings.candidates, index, map, light, frame);
     if splat.point.area <= 0.0 {
         return;
     }
+    cover(splat, map, light, frame, before);
+}
 
+/// The place of a ray in the square of a map: somewhere in its cell.
+fn place_of_ray(map: u32, cell: vec2<u32>, turn: u32) -> vec2<f32> {
+    let seed = hash2(hash2(RAY_PLACES, map), turn);
+    let number = 2u * (cell.y * settings.rays_across + cell.x);
+    let jitter = vec2(unit_float(hash2(seed, number)), unit_float(hash2(seed, number + 1u)));
+    return (vec2<f32>(cell) + jitter) * (2.0 / f32(settings.rays_across)) - 1.0;
+}
+
+/// One thread per ray, map after map. A hit stands for the surface that its cell sees.
+@compute @workgroup_size(64)
+fn splat_hits(row: Row) {
+    let index = index_in(row, 64u);
+    let rays = settings.rays_across * settings.rays_across;
+    let map = settings.first_map + index / rays;
+    if map >= min(lights.count, settings.end_map) || all(lights.lights[map].flux == vec3(0.0)) {
+        return;
+    }
+    var before = 0u;
+    var turn = 0u;
+#if KEEP
+    before = frames_before(map);
+    if before >= settings.frames {
+        return;
+    }
+    turn = settings.rendered_age;
+#endif
+    let light = lights.lights[map];
+    let number = index % rays;
+    var cell = vec2(number % settings.rays_across, number / settings.rays_across);
+    // Threads that run together trace rays beside each other where they can.
+    if (settings.rays_across & (settings.rays_across - 1u)) == 0u {
+        cell = place_on_curve(number);
+    }
+    let ray = map_ray(light.kind, place_of_ray(map, cell, turn));
+    // What lies along it beyond `nearest` is above the horizon.
+    let rising = ray.direction.z - HORIZON_SLOPE * ray.length;
+    if rising <= 0.0 {
+        return;
+    }
+    let frame = frame_from_normal(light.normal);
+    let nearest = HORIZON_HEIGHT * scene_info.extent / rising;
+    let hit = trace(light.position + frame * ray.origin, frame * ray.direction, nearest, FAR);
+    if hit.triangle == NO_HIT {
+        return;
+    }
+    let triangle = triangle_of_scene(hit.triangle);
+    var splat: Splat;
+    splat.local = ray.origin + hit.distance * ray.direction;
+    splat.point.position = light.position + frame * splat.local;
+    splat.point.normal = normal_and_area(triangle.a, triangle.b).xyz;
+    splat.point.triangle = hit.triangle;
+    let distance = map_distance(light.kind, splat.local);
+    let width = map_texel_width(light.kind, splat.local, distance, settings.rays_across);
+    // On a surface that is seen on edge, a cell sees more than stays in its plane.
+    let cosine = abs(dot(splat.point.normal * frame, map_direction(light.kind, splat.local, distance)));
+    splat.point.area = width * width / max(cosine, 0.1);
+    cover(splat, map, light, frame, before);
+}
+
+/// Splats a point into a map into which points fell in so many frames before.
+fn cover(splat: Splat, map: u32, light: VirtualLight, frame: mat3x3<f32>, before: u32) {
     let tile = settings.map;
+    let scale = SHARE_OF_SIDE * settings.splat_scale;
     let distance = map_distance(light.kind, splat.local);
     let centre = map_position(light.kind, splat.local, distance);
 #if KERNEL == surfel
-    let surfel = surfel_of(splat, light, frame, tile, settings.splat_scale, settings.side, share);
+    let surfel = surfel_of(splat, light, frame, tile, scale, settings.side, 1.0 / f32(before + 1u));
 #if KEEP
     let kind = kind_of_disc(surfel.triangle_area, splat.point.area);
 #endif
@@ -224,7 +307,7 @@ fn splat(row: Row) {
     // At least one texel, as a side is at least 1.
     let cosine = abs(dot(splat.point.normal * frame, map_direction(light.kind, splat.local, distance)));
     let density = 1.0 / map_texel_width(light.kind, splat.local, distance, tile);
-    let side = clamp(settings.splat_scale * sqrt(splat.point.area * cosine) * density, 1.0, settings.side);
+    let side = clamp(scale * sqrt(splat.point.area * cosine) * density, 1.0, settings.side);
     let reach = vec2(0.5 * side);
 #if KEEP
     let kind = 0u;

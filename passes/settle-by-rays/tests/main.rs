@@ -15,12 +15,11 @@ fn every_variant_of_the_shaders_is_valid() {
 /// The least and the greatest answer of a module at receivers of a light whose map stores `stored` times their distance, one in
 /// the black and the other in the white squares of a chessboard. The scene is a square in the plane y = 0, towards which the light looks
 /// from y = `light` [m]; receivers are on it, or `behind` of the light's distance behind it.
-fn answers(module: &str, light: f64, area: f32, stored: [f64; 2], behind: f64) -> Option<(f32, f32)> {
+fn answers(module: &str, light: f64, stored: [f64; 2], behind: f64) -> Option<(f32, f32)> {
     let towards = -light.signum();
     let given = VirtualLight {
         position: [0.0, light as f32, 0.0],
         normal: [0.0, towards as f32, 0.0],
-        area,
         flux: [1.0; 3],
         ..VirtualLight::default()
     };
@@ -46,7 +45,6 @@ fn answers(module: &str, light: f64, area: f32, stored: [f64; 2], behind: f64) -
         .fact("depth_bias", 0.3)
         .fact("slope_bias", 0.0)
         .fact("doubt", 3.0)
-        .fact("near", 8.0)
         .module(module)
         .run()?;
     let answers: Vec<f32> = outputs.read("answers");
@@ -62,31 +60,18 @@ fn rays_decide_what_maps_cannot_tell() {
         ("the receiver's own surface", [1.0, 1.0], 0.0, (1.0, 1.0), (1.0, 1.0)),
         ("what is not there, less than three texels before it", [0.8, 0.8], 0.0, (0.0, 0.0), (1.0, 1.0)),
         ("what is not there, four texels before it", [0.5, 0.5], 0.0, (0.0, 0.0), (0.0, 0.0)),
-        ("what is not there, and nothing beside it", [0.5, 1e38], 0.0, (0.0, 1.0), (0.0, 1.0)),
+        ("what is not there, and nothing beside it", [0.5, 1e38], 0.0, (0.0, 1.0), (1.0, 1.0)),
         ("what is in between, and nothing beside it", [0.5, 1e38], 1.0, (0.0, 1.0), (0.0, 0.0)),
         ("its own surface, and what is in between beside it", [0.5, 1.0], 1.0, (0.0, 1.0), (0.0, 0.0)),
         ("what is less than the bias before it", [0.99, 0.99], 0.01, (1.0, 1.0), (0.0, 0.0)),
-        ("nothing, of what is in between", [1e38, 1e38], 1.0, (1.0, 1.0), (1.0, 1.0)),
+        ("nothing, of what is in between", [1e38, 1e38], 1.0, (1.0, 1.0), (0.0, 0.0)),
+        ("its own surface, of what is in between", [1.0, 1.0], 1.0, (1.0, 1.0), (1.0, 1.0)),
     ] {
         for light in [1.0, -1.0] {
-            let Some(found) = answers(BY_MAP, light, 0.0, stored, behind) else { return };
+            let Some(found) = answers(BY_MAP, light, stored, behind) else { return };
             assert_eq!(found, by_map, "the map stores {what}, light at {light}");
-            let found = answers(SETTLED, light, 0.0, stored, behind).expect("the adapter is still there");
+            let found = answers(SETTLED, light, stored, behind).expect("the adapter is still there");
             assert_eq!(found, settled, "settled, the map stores {what}, light at {light}");
-        }
-    }
-}
-
-/// Receivers are 1 to 1.3 m from the light: eight radii of a disc of 0.04 m² are 0.9 m, and of 0.1 m² 1.4 m.
-#[test]
-fn rays_decide_all_that_is_near_a_light() {
-    for (what, stored, behind, by_map, by_ray) in [
-        ("what is not there, four texels before it", [0.5, 0.5], 0.0, (0.0, 0.0), (1.0, 1.0)),
-        ("nothing, of what is in between", [1e38, 1e38], 0.02, (1.0, 1.0), (0.0, 0.0)),
-    ] {
-        for (area, expected) in [(0.04, by_map), (0.1, by_ray)] {
-            let Some(found) = answers(SETTLED, 1.0, area, stored, behind) else { return };
-            assert_eq!(found, expected, "the map stores {what}, a light of {area} m²");
         }
     }
 }

@@ -76,6 +76,10 @@ impl Pass for Splat {
             given => given,
         };
         let shader = cx.file("splat.wgsl");
+        let rays_across = match cx.settings.bool("traced")? {
+            true => tile.div_ceil(cx.settings.u32("texels_per_ray")?),
+            false => 0,
+        };
         let keep = cx.settings.bool("keep")?;
         if ["past", "rendered"].map(|port| cx.connected(port)) != [keep; 2] {
             let said = "maps are kept where `keep` is set and the links `past` and `rendered` are there";
@@ -92,14 +96,18 @@ impl Pass for Splat {
                     .value("wanted", wanted.saturating_mul(maps).saturating_mul(candidates))
                     .value("candidates", candidates)
                     .value("side", side)
+                    .value("rays_across", rays_across)
                     .value("first_map", window.maps.start)
+                    .value("end_map", window.maps.end)
                     .value("first", of_maps.start)
                     .value("end", of_maps.end)
             };
             let dispatch = |entry, global, threads| {
                 step(entry, threads).bind(global, maps_of).window(global, window.bytes.clone())
             };
-            let texels = (window.maps.end - window.maps.start) * tile * tile;
+            let maps_here = window.maps.end - window.maps.start;
+            let texels = maps_here * tile * tile;
+            let hits = maps_here * rays_across * rays_across;
             if keep && window.maps.start == 0 {
                 recording = recording.then(step("note_stands", maps));
             }
@@ -115,12 +123,15 @@ impl Pass for Splat {
             } else {
                 dispatch("clear", "cleared", texels.div_ceil(4))
             });
-            if !of_maps.is_empty() {
-                let splat = dispatch("splat", "depth", of_maps.end - of_maps.start);
+            for (entry, threads) in [("splat_hits", hits), ("splat", of_maps.end - of_maps.start)] {
+                if threads == 0 {
+                    continue;
+                }
+                let step = dispatch(entry, "depth", threads);
                 recording = recording.then(if keep {
-                    splat.bind("there", "depth").window("there", window.bytes.clone())
+                    step.bind("there", "depth").window("there", window.bytes.clone())
                 } else {
-                    splat
+                    step
                 });
             }
             if keep {

@@ -2,6 +2,7 @@
 
 mod cpu_reference;
 mod filling;
+mod traced;
 
 use cpu_reference::{Shape, map, splat};
 use glam::{DVec3, dvec3, uvec2};
@@ -222,6 +223,7 @@ fn maps_that_are_bound_in_parts_are_splatted_as_in_one() {
             .set("kernel", "box")
             .set("map", 16)
             .set("points_per_map", 50)
+            .set("traced", true)
             .input("points", "Points", &[("count", 900)], elements(&points))
             .module(STORED)
             .lights(&lights)

@@ -87,6 +87,26 @@ fn maps_of_lights_that_moved_begin_anew() {
     assert!(lit.iter().all(|texel| f32::from_bits(*texel) > 0.5));
 }
 
+/// A ray a frame, somewhere in the map: over frames its hits cover what the light sees.
+#[test]
+fn rays_of_other_frames_go_elsewhere() {
+    let after = |frames: u32, traced: bool| {
+        let harness =
+            harness(&[above()]).set("traced", traced).set("texels_per_ray", 8).set("splat_scale", 0.1);
+        let outputs = harness.feedback("past", "kept").feedback("rendered", "stands").frames(frames).run()?;
+        Some(
+            outputs.read::<u32>("depth").into_iter().filter(|bits| f32::from_bits(*bits).is_finite()).count(),
+        )
+    };
+    let (Some(points), Some(one), Some(many)) = (after(8, false), after(1, true), after(8, true)) else {
+        return;
+    };
+    assert!(
+        many > points + 3 * one,
+        "{points} texels by points, {one} after a frame of rays, {many} after eight"
+    );
+}
+
 #[test]
 fn keep_without_its_links_is_refused() {
     let Some(said) = harness(&[above()]).set("keep", true).refusal() else { return };
