@@ -1,7 +1,8 @@
 // Visibility by an atlas of maps of the distance where they are sure, and by rays elsewhere.
 
 #option LIT all one_of [believed, edges, all] // Which answers of a texel a ray decides of. believed: none but what lies little behind
-    // it. edges: also those that a texel beside it answers otherwise. all: also those of receivers that are lit, but whose own surface is not in their texel.
+    // it. edges: also those that a texel beside it answers otherwise. all: also those of receivers that are lit, but whose own surface
+    // is not in their texel.
 #option DEFERS false internal // whether readers ask `visibility_at_once` first; the pass sets it
 
 #import "atlas-lookup.wgsl"
@@ -18,22 +19,23 @@ var<uniform> visibility_facts: VisibilityFacts;
 /// The share of the depth bias to which what a texel stores is the receiver's own surface. What is farther before it, a ray finds.
 const SAME_SURFACE: f32 = 0.05;
 
-#if LIT != believed
 const NEIGHBOURS = array(vec2(-1, 0), vec2(1, 0), vec2(0, -1), vec2(0, 1));
 
-/// How many of the four texels beside this one have something nearer than the receiver's plane.
-fn hiding_beside(lookup: ParaboloidLookup, index: u32, texel: vec2<u32>) -> u32 {
+/// Whether the four texels beside this one hide the receiver's plane, or whether none of them does. Texels are believed without
+/// being compared where LIT says so.
+fn answer_alike(lookup: ParaboloidLookup, index: u32, texel: vec2<u32>, hide: bool) -> bool {
+    var alike = true;
+#if LIT != believed
     let tile = visibility_facts.atlas.tile;
     let origin = origin_in_atlas(index);
     var neighbours = NEIGHBOURS;
-    var hiding = 0u;
     for (var n = 0u; n < 4u; n++) {
         let other = vec2<u32>(clamp(vec2<i32>(texel) + neighbours[n], vec2(0), vec2(i32(tile) - 1)));
-        hiding += select(1u, 0u, is_seen(lookup, other, tile, stored_in_atlas(origin, other)));
+        alike &= is_seen(lookup, other, tile, stored_in_atlas(origin, other)) != hide;
     }
-    return hiding;
-}
 #endif
+    return alike;
+}
 
 /// 1 where the map is sure that the receiver is lit, and 0 where that it is hidden; else the length of the ray that decides [m],
 /// negative.
@@ -48,23 +50,17 @@ fn verdict_of_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f
     let own = own_distance(lookup, texel, tile);
     let doubt = max(visibility_facts.doubt * lookup.width, lookup.bias);
     if own - doubt > stored {
-#if LIT == believed
-        return 0.0;
-#else
-        return select(-FAR, 0.0, hiding_beside(lookup, index, texel) == 4u);
-#endif
+        return select(-FAR, 0.0, answer_alike(lookup, index, texel, true));
     }
     if own - SAME_SURFACE * lookup.bias > stored {
         return -doubt;
     }
-    var is_sure = true;
-#if LIT != believed
-    is_sure = hiding_beside(lookup, index, texel) == 0u;
-#endif
 #if LIT == all
-    is_sure &= stored - own <= SAME_SURFACE * lookup.bias;
+    if stored - own > SAME_SURFACE * lookup.bias {
+        return -FAR;
+    }
 #endif
-    return select(-FAR, 1.0, is_sure);
+    return select(-FAR, 1.0, answer_alike(lookup, index, texel, false));
 }
 
 fn visibility_by_map(index: u32, light: VirtualLight, at: vec3<f32>, normal: vec3<f32>) -> f32 {
