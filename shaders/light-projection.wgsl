@@ -35,6 +35,12 @@ fn map_ray(kind: u32, at: vec2<f32>) -> MapRay {
     return MapRay(vec3(0.0), direction, 1.0 + r2, direction);
 }
 
+/// The distance beyond which a ray of a map is above the horizon [lengths of its direction]; negative where it never is.
+fn rise_above_horizon(ray: MapRay) -> f32 {
+    let rising = ray.direction.z - HORIZON_SLOPE * ray.length;
+    return select(HORIZON_HEIGHT * scene_info.extent / rising, -1.0, rising <= 0.0);
+}
+
 /// Homogeneous coordinates of the image of a point [m]: a ray passes on one side of an edge if its own have a positive product
 /// with the cross product of those of the edge's ends.
 fn map_homogeneous(kind: u32, local: vec3<f32>) -> vec3<f32> {

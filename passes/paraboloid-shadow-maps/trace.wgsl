@@ -33,16 +33,6 @@ var visibility_atlas: texture_storage_2d_array<r32float, write>;
 
 const GROUP: u32 = 64u;
 
-/// The texel of a number below the square of the tile's side. Threads that run together take texels beside each other where they
-/// can.
-fn texel_in_turn(number: u32) -> vec2<u32> {
-    let tile = settings.visibility_tile;
-    if (tile & (tile - 1u)) == 0u {
-        return place_on_curve(number);
-    }
-    return vec2(number % tile, number / tile);
-}
-
 /// The distance [m] to the first surface along the ray of a texel; NOTHING where there is none.
 fn distance_of(index: u32, texel: vec2<u32>) -> f32 {
     if index >= min(settings.lights_count, lights.count) {
@@ -50,12 +40,10 @@ fn distance_of(index: u32, texel: vec2<u32>) -> f32 {
     }
     let light = lights.lights[index];
     let ray = map_ray(light.kind, texel_centre(texel, settings.visibility_tile));
-    // What lies along it beyond `nearest` is above the horizon.
-    let rising = ray.direction.z - HORIZON_SLOPE * ray.length;
-    if all(light.flux == vec3(0.0)) || rising <= 0.0 {
+    let nearest = rise_above_horizon(ray);
+    if all(light.flux == vec3(0.0)) || nearest < 0.0 {
         return NOTHING;
     }
-    let nearest = HORIZON_HEIGHT * scene_info.extent / rising;
     let frame = frame_from_normal(light.normal);
     let hit = trace(light.position + frame * ray.origin, frame * ray.direction, nearest, FAR);
     return select(hit.distance * ray.length, NOTHING, hit.triangle == NO_HIT);
@@ -80,7 +68,7 @@ fn trace_maps(row: Row) {
         return;
     }
 #endif
-    let texel = texel_in_turn(number);
+    let texel = place_in_turn(number, tile);
     let origin = tile_origin(map, settings.visibility_columns, settings.visibility_rows, tile);
     textureStore(visibility_atlas, origin.xy + texel, origin.z, vec4(distance_of(map, texel)));
 }

@@ -129,16 +129,27 @@ const SHARE_OF_SIDE: f32 = 0.7;
 const SHARE_OF_SIDE: f32 = 1.0;
 #endif
 
-#if KEEP
 /// Frames in which points fell into a map before.
 fn frames_before(map: u32) -> u32 {
-    if map >= min(lights.count, settings.lights_count) {
-        return 0u;
+#if KEEP
+    if map < min(lights.count, settings.lights_count) {
+        let past = rendered.stands[map];
+        return select(0u, past.frames, is_same_stand(stand_of(lights.lights[map]), past));
     }
-    let past = rendered.stands[map];
-    return select(0u, past.frames, is_same_stand(stand_of(lights.lights[map]), past));
+#endif
+    return 0u;
 }
 
+/// Which of many sets of points and rays are splatted in this frame.
+fn turn() -> u32 {
+#if KEEP
+    return settings.rendered_age;
+#else
+    return 0u;
+#endif
+}
+
+#if KEEP
 /// Writes where the light of each map stands.
 @compute @workgroup_size(64)
 fn note_stands(row: Row) {
@@ -216,15 +227,12 @@ fn splat(row: Row) {
     }
     let light = lights.lights[map];
     let frame = frame_from_normal(light.normal);
-    var samples = settings.samples;
-    var before = 0u;
-#if KEEP
-    before = frames_before(map);
+    let before = frames_before(map);
     if before >= settings.frames {
         return;
     }
-    samples.turn = settings.rendered_age;
-#endif
+    var samples = settings.samples;
+    samples.turn = turn();
     let splat = chosen(samples, settings.candidates, index, map, light, frame);
     if splat.point.area <= 0.0 {
         return;
@@ -233,8 +241,8 @@ fn splat(row: Row) {
 }
 
 /// The place of a ray in the square of a map: somewhere in its cell.
-fn place_of_ray(map: u32, cell: vec2<u32>, turn: u32) -> vec2<f32> {
-    let seed = hash2(hash2(RAY_PLACES, map), turn);
+fn place_of_ray(map: u32, cell: vec2<u32>) -> vec2<f32> {
+    let seed = hash2(hash2(RAY_PLACES, map), turn());
     let number = 2u * (cell.y * settings.rays_across + cell.x);
     let jitter = vec2(unit_float(hash2(seed, number)), unit_float(hash2(seed, number + 1u)));
     return (vec2<f32>(cell) + jitter) * (2.0 / f32(settings.rays_across)) - 1.0;
@@ -249,30 +257,17 @@ fn splat_hits(row: Row) {
     if map >= min(lights.count, settings.end_map) || all(lights.lights[map].flux == vec3(0.0)) {
         return;
     }
-    var before = 0u;
-    var turn = 0u;
-#if KEEP
-    before = frames_before(map);
+    let before = frames_before(map);
     if before >= settings.frames {
         return;
     }
-    turn = settings.rendered_age;
-#endif
     let light = lights.lights[map];
-    let number = index % rays;
-    var cell = vec2(number % settings.rays_across, number / settings.rays_across);
-    // Threads that run together trace rays beside each other where they can.
-    if (settings.rays_across & (settings.rays_across - 1u)) == 0u {
-        cell = place_on_curve(number);
-    }
-    let ray = map_ray(light.kind, place_of_ray(map, cell, turn));
-    // What lies along it beyond `nearest` is above the horizon.
-    let rising = ray.direction.z - HORIZON_SLOPE * ray.length;
-    if rising <= 0.0 {
+    let ray = map_ray(light.kind, place_of_ray(map, place_in_turn(index % rays, settings.rays_across)));
+    let nearest = rise_above_horizon(ray);
+    if nearest < 0.0 {
         return;
     }
     let frame = frame_from_normal(light.normal);
-    let nearest = HORIZON_HEIGHT * scene_info.extent / rising;
     let hit = trace(light.position + frame * ray.origin, frame * ray.direction, nearest, FAR);
     if hit.triangle == NO_HIT {
         return;

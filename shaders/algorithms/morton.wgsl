@@ -13,3 +13,11 @@ fn even_bits(number: u32) -> u32 {
 fn place_on_curve(number: u32) -> vec2<u32> {
     return vec2(even_bits(number), even_bits(number >> 1u));
 }
+
+/// The place with a number in a square of any side. Threads that run together take places beside each other where they can.
+fn place_in_turn(number: u32, side: u32) -> vec2<u32> {
+    if (side & (side - 1u)) == 0u {
+        return place_on_curve(number);
+    }
+    return vec2(number % side, number / side);
+}
