@@ -101,7 +101,5 @@ var<storage, read> scene_environment_table: array<u32>;
 var scene_textures: texture_2d_array<f32>;
 /// The same texels as they stand, for data that is not color.
 var scene_textures_linear: texture_2d_array<f32>;
-/// Trilinear and anisotropic, repeating.
+/// Trilinear, repeating.
 var scene_sampler: sampler;
-/// The same without footprints, for the finest level.
-var scene_sampler_finest: sampler;

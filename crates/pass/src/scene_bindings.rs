@@ -24,7 +24,6 @@ pub static GLOBALS: &[(&str, SceneBindings)] = &[
     ("scene_textures", SceneBindings::SCENE),
     ("scene_textures_linear", SceneBindings::SCENE),
     ("scene_sampler", SceneBindings::SCENE),
-    ("scene_sampler_finest", SceneBindings::SCENE),
     ("scene_lights", SceneBindings::LIGHTS),
     ("scene_light_layers", SceneBindings::LIGHTS),
     // Constant: for shaders of users that sample textures. Edges are clamped.

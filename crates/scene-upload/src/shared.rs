@@ -10,10 +10,6 @@ use executor::{Executor, ExecutorError, Gpu, SceneBinding};
 use scene::{Environment, MovedVertices, Scene, Vertex};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Samples that filtering of textures takes at most along the longer axis of a pixel's footprint: the most that
-/// adapters have.
-const ANISOTROPY: u16 = 16;
-
 /// A scene on a device: geometry, materials, textures, and the structures through which rays are traced.
 /// Views share it (see [`SceneView`](crate::SceneView)).
 ///
@@ -82,7 +78,7 @@ impl SceneOnGpu {
         let environment = scene.environment.as_ref().unwrap_or(&black);
         let environment_table = stored("scene environment table", cast_slice(&environment.table()), storage);
         let environment = textures::upload_environment(device, &gpu.queue, environment);
-        let sampler = |label, filter, address, anisotropy_clamp| {
+        let sampler = |label, filter, address| {
             SceneBinding::Sampler(device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some(label),
                 address_mode_u: address,
@@ -94,12 +90,9 @@ impl SceneOnGpu {
                 } else {
                     wgpu::MipmapFilterMode::Nearest
                 },
-                anisotropy_clamp,
                 ..Default::default()
             }))
         };
-        let repeating =
-            |label, anisotropy| sampler(label, FilterMode::Linear, AddressMode::Repeat, anisotropy);
         let mut state = State {
             scene_bindings: Vec::new(),
             made: 0,
@@ -120,11 +113,9 @@ impl SceneOnGpu {
             ("scene_environment_table", SceneBinding::Buffer(environment_table)),
             ("scene_textures", SceneBinding::Texture(array.color)),
             ("scene_textures_linear", SceneBinding::Texture(array.linear)),
-            // An adapter that has no anisotropic filtering, or less of it, takes what it has.
-            ("scene_sampler", repeating("scene", ANISOTROPY)),
-            ("scene_sampler_finest", repeating("scene, finest level", 1)),
-            ("linear_sampler", sampler("linear", FilterMode::Linear, AddressMode::ClampToEdge, 1)),
-            ("nearest_sampler", sampler("nearest", FilterMode::Nearest, AddressMode::ClampToEdge, 1)),
+            ("scene_sampler", sampler("scene", FilterMode::Linear, AddressMode::Repeat)),
+            ("linear_sampler", sampler("linear", FilterMode::Linear, AddressMode::ClampToEdge)),
+            ("nearest_sampler", sampler("nearest", FilterMode::Nearest, AddressMode::ClampToEdge)),
         ]);
         SceneOnGpu { vertices, state: Mutex::new(state) }
     }
