@@ -26,9 +26,9 @@ fn sample_geometry(position: vec3<f32>, normal: vec3<f32>, at: ViewSample, min_d
     // Single precision distinguishes positions to 1e-7 extents: below that, the sample is at the light, and the cosines
     // are 0 since the vector is.
     let squared = max(dot(way, way), 1e-20);
-    let cosines = max(dot(normal, way), 0.0) * max(-dot(at.normal, way), 0.0) / squared;
+    let projections = max(dot(normal, way), 0.0) * max(-dot(at.normal, way), 0.0);
     // A light at a sample would take all the importance, so its distance counts as at least `min_distance`.
-    return cosines / (PI * (squared + min_distance * min_distance));
+    return projections / (PI * squared * (squared + min_distance * min_distance));
 }
 
 /// The importance of a texel (Eq. 1) that reflects `flux` [W] and to which the view responds by `response` [1/extents²].

@@ -21,8 +21,7 @@ const SAMPLERS: [(&str, &str); 4] = [
     ("inverse transform, 2 numbers", r#"Set("lights.dimensions", 2)"#),
 ];
 
-const IMPORTANCES: [(&str, &str); 4] = [
-    ("contribution by blocks", r#"Set("importance.stride", 4)"#),
+const IMPORTANCES: [(&str, &str); 3] = [
     ("contribution of each texel", r#"Set("importance.evaluate", "texels")"#),
     ("contribution on demand", r#"Set("importance.evaluate", "on-demand")"#),
     ("flux", r#"Replace("importance", Pass(kind: "importance-map", set: { "measure": "flux" }))"#),
@@ -244,14 +243,14 @@ fn clusters_of_one_light_are_as_visible_as_the_light() {
 
 /// Returns relMSE and energy of gathered light by maps against rays, with the same lights, by the pass that
 /// stands for `shadows`.
-fn against_rays(scene: &str, shadows: &str) -> Option<(f64, f64)> {
-    let [maps, rays] = maps_and_rays(scene, shadows)?;
+fn against_rays(scene: &str, shadows: &str, seed: u32) -> Option<(f64, f64)> {
+    let [maps, rays] = maps_and_rays(scene, shadows, seed)?;
     let pair = Pair::new(&maps, &rays).unwrap();
     pair.rel_mse(Epsilon::default()).zip(pair.energy_ratio())
 }
 
 /// Irradiance of the same lights with shadows by maps, and by rays.
-fn maps_and_rays(scene: &str, shadows: &str) -> Option<[Image; 2]> {
+fn maps_and_rays(scene: &str, shadows: &str, seed: u32) -> Option<[Image; 2]> {
     let folder = Folder::new(&[]);
     let gathered = |name: &str, shadows: &str| {
         let maps_alone = r#"parameters: { "settle": Bool(default: false) }"#;
@@ -263,6 +262,7 @@ fn maps_and_rays(scene: &str, shadows: &str) -> Option<[Image; 2]> {
         let values = ["lights=64", "rsm.size=128", "map=64", "interleave_x=1", "interleave_y=1"];
         let values = [&values[..], &bound].concat();
         let mut renderer = renderer_in(&folder, name, scene, (64, 48), &values)?;
+        renderer.set_seed(seed);
         renderer.keep("gather").unwrap();
         renderer.frame().unwrap();
         Some(renderer.picture("gather", 0).unwrap())
@@ -278,7 +278,7 @@ fn imperfect_maps_converge_to_rays() {
         let error = |map: u32, per_texel: f32| {
             let changes =
                 format!(r#"Set("shadows.map", {map}), Set("shadows.points_per_texel", {per_texel:?})"#);
-            against_rays(scene, &changes)
+            against_rays(scene, &changes, 0)
         };
         let Some((coarse, _)) = error(64, 0.25) else { return };
         let (many, _) = error(64, 8.0).unwrap();
@@ -293,7 +293,7 @@ fn imperfect_maps_converge_to_rays() {
 fn rays_settle_what_maps_cannot_tell() {
     for scene in ["atrium-spot", "nave"] {
         let settled = |settle: bool| {
-            let [maps, rays] = maps_and_rays(scene, &format!(r#"Set("shadows.settle", {settle})"#))?;
+            let [maps, rays] = maps_and_rays(scene, &format!(r#"Set("shadows.settle", {settle})"#), 0)?;
             let pair = Pair::new(&maps, &rays).unwrap();
             pair.rel_mse(Epsilon::default()).zip(pair.excess_and_missing())
         };
@@ -344,7 +344,12 @@ fn maps_are_close_to_rays() {
         ("atrium-spot", imperfect, 0.85, 0.07),
         ("nave", imperfect, 1.5, 0.06),
     ] {
-        let Some((error, energy)) = against_rays(scene, shadows) else { return };
+        // A few bright pixels decide the error of one seed.
+        let of_seeds = [1, 2, 3, 4, 5, 6, 7, 8].map(|seed| against_rays(scene, shadows, seed));
+        let Some(mut of_seeds) = of_seeds.into_iter().collect::<Option<Vec<_>>>() else { return };
+        let energy = of_seeds.iter().map(|(_, energy)| energy).sum::<f64>() / of_seeds.len() as f64;
+        of_seeds.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (error, _) = of_seeds[of_seeds.len() / 2];
         let how = if shadows == exact { "exact" } else { "imperfect" };
         assert!(error < most, "{scene}, {how} maps: relMSE {error}");
         assert!((energy - 1.0).abs() < off, "{scene}, {how} maps: energy {energy}");

@@ -1,19 +1,18 @@
 // Computes the importance of the texels of a reflective shadow map as virtual lights. [TCAS §4.1, Eq. 1-2; ISM §4; ACRSM §4.5]
 //
 // This file writes what is stored: what each texel contributes to samples of the view without regard to visibility; or its flux;
-// or, with blocks, the response of the view to one texel of each, from which shaders/importance-by-blocks.wgsl computes the
-// importance of all; or importance by reflectance, divided by its greatest value so that ACRSM Eq. 4.4 and 4.6 can add and compare
-// it with other values of at most 1. view-samples.wgsl picks the samples; reflectance.wgsl and greatest.wgsl prepare importance by
-// reflectance.
+// or importance by reflectance, divided by its greatest value so that ACRSM Eq. 4.4 and 4.6 can add and compare it with other values
+// of at most 1. view-samples.wgsl picks the samples; reflectance.wgsl and greatest.wgsl prepare importance by reflectance.
 
 #option MEASURE contribution one_of [contribution, flux, reflectance] // The definition of importance. contribution: what the texel
     // contributes to samples of the view, without visibility (TCAS Eq. 1-2). flux: the luminance of the flux that it reflects,
     // independent of the camera (ISM §4). reflectance: how the surface reflects, and how it lies to samples of the view; at most
     // 1 (ACRSM Eq. 4.1-4.3).
-#option EVALUATE blocks one_of [texels, blocks, on-demand] // Where it is evaluated, for the measures contribution and reflectance.
-    // texels: at each texel, and stored. blocks: what the texel reflects at each, but what depends on the view at one texel of
-    // each block, which takes 1/stride² of the time. on-demand, for contribution alone: at the texels that the sampler asks for:
-    // of 512² texels, 1,024 Metropolis-Hastings chains of 5 steps ask for 5,120; the inverse transform asks for all, twice.
+#option EVALUATE texels one_of [texels, blocks, on-demand] // Where it is evaluated, for the measures contribution and reflectance.
+    // texels: at each texel, and stored. blocks, for reflectance alone: what the texel reflects at each, but what depends on the
+    // view at one texel of each block, which takes 1/stride² of the time. on-demand, for contribution alone: at the texels that
+    // the sampler asks for: of 512² texels, 1,024 Metropolis-Hastings chains of 5 steps ask for 5,120; the inverse transform asks
+    // for all, twice.
 
 #option SPECULAR false // Whether the measure flux counts what texels reflect specularly, for lights with lobes; else a metal has no
     // lights. Where the scene is glossy.
@@ -28,13 +27,7 @@
 #input view: GBuffer // What the lights are to be important for.
 #input points: SurfacePoints optional // Samples of the view, in place of `view_samples` of its pixels.
 #endif
-#if MEASURE == contribution && EVALUATE == blocks
-#output importance: Importance(
-    size: like(rsm) / settings.stride,
-    stride: settings.stride,
-    defensive: settings.defensive,
-) module "importance-by-blocks.wgsl" // f(v) of each texel.
-#elif MEASURE == contribution && EVALUATE == on-demand
+#if MEASURE == contribution && EVALUATE == on-demand
 #output importance: Importance(
     view_samples: samples_count,
     min_distance: settings.min_distance,
@@ -60,7 +53,7 @@
 struct Settings {
     // DEVIATION(sample-count): a number, not a share of the pixels.
     /// Number P of samples of the view, for the measure contribution. Noise of the importance falls as P^-½; time rises with P ×
-    /// texels that are evaluated. TCAS §2 names 0.1 % of the pixels. [default: 256, min: 1, max: 65536]
+    /// texels that are evaluated. TCAS §2 names 0.1 % of the pixels. [default: 128, min: 1, max: 65536]
     view_samples: u32,
     /// Rays from each sample of the view to random texels, for the measure contribution, by which a contribution is measured
     /// relative to what the sample receives. Dark places then get more of the lights, and bright ones fewer. More: what a sample
@@ -75,12 +68,12 @@ struct Settings {
     // DEVIATION(defensive): the paper adds nothing.
     /// Constant k in f = Φ (response + k), for the measure contribution: texels that no sample of the view saw are sampled too, in
     /// proportion to their flux. It does not depend on the view, so a change in one place changes no importance elsewhere. Larger:
-    /// fewer bright outliers, but more lights out of sight. 0: as in the paper. [default: 0.02, min: 0.0, max: 1000.0, unit:
+    /// fewer bright outliers, but more lights out of sight. 0: as in the paper. [default: 0.002, min: 0.0, max: 1000.0, unit:
     /// "1/extents²"]
     defensive: f32,
-    // DEVIATION(blocks): the texels of a block have one response, and one ρ_v.
-    /// Side of a block, for `evaluate: blocks`. Larger: less time, but the importance follows edges and contacts less closely, so
-    /// that lights differ more in brightness. [default: 4, min: 1, max: 64, unit: "texels"]
+    // DEVIATION(blocks): the texels of a block have one ρ_v.
+    /// Side of a block, for `evaluate: blocks`. Larger: less time, but the importance follows edges less closely. [default: 4,
+    /// min: 1, max: 64, unit: "texels"]
     stride: u32,
     /// Weight w_v of how the texel lies to samples of the view against how it reflects, for the measure reflectance. 0:
     /// independent of the camera. [default: 0.5, min: 0.0, max: 1.0]
@@ -88,9 +81,7 @@ struct Settings {
 }
 
 var<uniform> settings: Settings;
-#if MEASURE == contribution && EVALUATE == blocks
-var importance_response: texture_storage_2d_array<rgba32float, write>;
-#elif MEASURE != contribution || EVALUATE == texels
+#if MEASURE != contribution || EVALUATE != on-demand
 var importance_map: texture_storage_2d_array<r32float, write>;
 #endif
 
@@ -136,28 +127,6 @@ fn specular_flux(texel: vec2<u32>, layer: u32) -> vec3<f32> {
 }
 #endif
 
-#if MEASURE == contribution && EVALUATE == blocks
-/// The texel that stands for a block: the one in the middle, or the brightest where that reflects nothing.
-fn texel_of_block(block: vec2<u32>, layer: u32) -> vec2<u32> {
-    let first = block * settings.stride;
-    var found = first + settings.stride / 2u;
-    var brightest = luminance(flux_at(found, layer));
-    if brightest > 0.0 {
-        return found;
-    }
-    for (var y = 0u; y < settings.stride; y++) {
-        for (var x = 0u; x < settings.stride; x++) {
-            let bright = luminance(flux_at(first + vec2(x, y), layer));
-            if bright > brightest {
-                found = first + vec2(x, y);
-                brightest = bright;
-            }
-        }
-    }
-    return found;
-}
-#endif
-
 #if MEASURE == contribution
 /// A texel for which a thread measures what the view receives.
 struct Measured {
@@ -168,18 +137,13 @@ struct Measured {
     response: vec3<f32>,
 }
 
-fn measured(at: vec2<u32>, layer: u32) -> Measured {
-#if EVALUATE == blocks
-    let texel = texel_of_block(at, layer);
-#else
-    let texel = at;
-#endif
+fn measured(texel: vec2<u32>, layer: u32) -> Measured {
     let position = to_extents(textureLoad(rsm_position, texel, layer, 0).xyz);
     let normal = textureLoad(rsm_normal, texel, layer, 0).xyz;
-    return Measured(at, flux_at(texel, layer), position, normal, vec3(0.0));
+    return Measured(texel, flux_at(texel, layer), position, normal, vec3(0.0));
 }
 
-/// Measures a square of GROUP_SIDE * SPAN texels, or blocks, of a layer. [threads: (
+/// Measures a square of GROUP_SIDE * SPAN texels of a layer. [threads: (
 ///     (importance.width + SPAN - 1) / SPAN, (importance.height + SPAN - 1) / SPAN, rsm.layers)]
 @compute @workgroup_size(GROUP_SIDE, GROUP_SIDE)
 fn measure(
@@ -215,15 +179,9 @@ fn measure(
 
 fn store(place: Measured, layer: u32) {
     let response = select(vec3(0.0), place.response / f32(settings.view_samples), luminance(place.flux) > 0.0);
-#if EVALUATE == blocks
-    if all(place.texel < textureDimensions(importance_response)) {
-        textureStore(importance_response, place.texel, layer, vec4(response, 0.0));
-    }
-#else
     if all(place.texel < textureDimensions(importance_map)) {
         textureStore(importance_map, place.texel, layer, vec4(importance_of(place.flux, response, settings.defensive)));
     }
-#endif
 }
 #else
 @compute @workgroup_size(16, 16)

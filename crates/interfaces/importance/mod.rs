@@ -2,8 +2,6 @@
 
 use pass::{Content, Fact, Format, Interface, Member, Struct};
 
-/// The side of a block of texels to which the view responds alike.
-pub const STRIDE: Fact<u32> = Fact::optional("stride", "side of a block with one response [texels]");
 /// The number of samples of the view.
 pub const VIEW_SAMPLES: Fact<u32> = Fact::optional("view_samples", "number of samples of the view");
 /// The least distance between a texel and a sample of the view.
@@ -23,16 +21,11 @@ pub const INTERFACE: Interface = Interface::new(
      importance(layer: u32, texel: vec2<u32>) -> f32`, which reads what it is stored as.",
     &[
         Member::optional("map", Content::TextureArray(Format::R32Float), "f(v) of each texel"),
-        Member::optional(
-            "response",
-            Content::TextureArray(Format::Rgba32Float),
-            "response of the view to a texel of each block [1/extents²]",
-        ),
         Member::optional("samples", Content::Array("ViewSample"), "samples of the view (view-sample.wgsl)"),
         Member::optional("position", Content::TextureArray(Format::Rgba32Float), "of the reflective shadow map"),
         Member::optional("normal", Content::TextureArray(Format::Rgba16Float), "of the reflective shadow map"),
         Member::optional("flux", Content::TextureArray(Format::Rgba32Float), "of the reflective shadow map"),
     ],
 )
-.with_facts(&[STRIDE.decl(), VIEW_SAMPLES.decl(), MIN_DISTANCE.decl(), DEFENSIVE.decl()])
+.with_facts(&[VIEW_SAMPLES.decl(), MIN_DISTANCE.decl(), DEFENSIVE.decl()])
 .with_stand_in("shaders/importance-stored.wgsl");

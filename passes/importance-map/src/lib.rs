@@ -58,7 +58,10 @@ fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
             outputs.extend(received);
             return Ok(outputs);
         }
-        ("contribution", "blocks") => hand(&["flux"]),
+        ("contribution", "blocks") => {
+            let message = "importance by contribution is evaluated at texels: blocks are for `reflectance`";
+            return Err(PassTypeError::setting("evaluate", message).help("take `texels` or `on-demand`"));
+        }
         _ => {}
     }
     outputs.push(OutputDesc::scratch("samples", samples));

@@ -99,14 +99,10 @@ impl Room {
 
     /// Runs the pass with the values of its settings.
     fn run(self, set: &[(&str, Value)]) -> Option<Outputs> {
-        self.run_with(set, |harness| harness)
+        self.harness(set).run()
     }
 
-    fn run_with(
-        self,
-        set: &[(&str, Value)],
-        change: impl Fn(Harness<'static>) -> Harness<'static>,
-    ) -> Option<Outputs> {
+    fn harness(self, set: &[(&str, Value)]) -> Harness<'static> {
         let texel = |i| RsmTexel {
             position: self.position(i).extend(1.0).to_array(),
             normal: Room::normal(i).to_array(),
@@ -132,7 +128,7 @@ impl Room {
             .with_scene(self.scene())
             .camera(self.camera())
             .rsm(self.size, &texels);
-        if by_flux { harness.run() } else { change(harness.input("view", "GBuffer", &[], view)).run() }
+        if by_flux { harness } else { harness.input("view", "GBuffer", &[], view) }
     }
 
     fn samples(self) -> Vec<ViewSample> {
@@ -241,7 +237,7 @@ fn importance_is_that_of_the_cpu_reference() {
 /// albedo.
 #[test]
 fn samples_may_be_given() {
-    for (evaluate, stored) in [("texels", "map"), ("blocks", "response"), ("on-demand", "samples")] {
+    for (evaluate, stored) in [("texels", "map"), ("on-demand", "samples")] {
         let set = [("evaluate", Value::from(evaluate)), ("defensive", Value::F32(0.0))];
         // The fourth element of a vector of three is nothing.
         let read = |outputs: Outputs| -> Vec<f32> {
@@ -250,10 +246,8 @@ fn samples_may_be_given() {
             (0..all.len()).filter(is_number).map(|i| all[i]).collect()
         };
         let given = |points: &[SurfacePoint]| {
-            let run = |harness: Harness<'static>| {
-                harness.surface_points("points", 0, points).set("view_samples", 3u32)
-            };
-            ROOM.run_with(&set, run).map(read)
+            let harness = ROOM.harness(&set).surface_points("points", 0, points);
+            harness.set("view_samples", 3u32).run().map(read)
         };
         let (Some(expected), Some(found)) = (ROOM.run(&set).map(read), given(&ROOM.points())) else { return };
         assert_eq!(found.len(), expected.len(), "{evaluate}");
@@ -276,33 +270,11 @@ fn flux_is_its_luminance_and_needs_no_view() {
     assert_close(&outputs.read("importance.map"), &ROOM.luminances());
 }
 
-/// The response to a block is that to its middle, or to its brightest texel where the middle reflects nothing.
+/// What blocks are for is said before anything runs.
 #[test]
-fn a_block_responds_as_one_of_its_texels() {
-    for (size, stride) in [((20, 17), 4), ((7, 9), 3), ((5, 3), 1), ((3, 2), 8)] {
-        let room = Room { size, ..ROOM };
-        let set = [("evaluate", Value::from("blocks")), ("stride", Value::U32(stride))];
-        let Some(outputs) = room.run(&set) else { return };
-        let (responses, luminances) = (room.responses(), room.luminances());
-        let (columns, rows) = (size.0.div_ceil(stride), size.1.div_ceil(stride));
-        let texel = |layer: u32, x: u32, y: u32| ((layer * size.1 + y) * size.0 + x) as usize;
-        let mut expected = Vec::new();
-        for (layer, row, column) in (0..room.layers).flat_map(|layer| {
-            (0..rows).flat_map(move |row| (0..columns).map(move |column| (layer, row, column)))
-        }) {
-            let (x, y) = (column * stride, row * stride);
-            let inside = |(x, y): &(u32, u32)| *x < size.0 && *y < size.1;
-            let bright = |(x, y): (u32, u32)| luminances[texel(layer, x, y)];
-            let middle = Some((x + stride / 2, y + stride / 2)).filter(|at| inside(at) && bright(*at) > 0.0);
-            let block = (0..stride).flat_map(|j| (0..stride).map(move |i| (x + i, y + j))).filter(inside);
-            let brightest =
-                block.filter(|at| bright(*at) > 0.0).max_by(|a, b| bright(*a).total_cmp(&bright(*b)));
-            let response = middle.or(brightest).map_or(DVec3::ZERO, |(x, y)| responses[texel(layer, x, y)]);
-            expected.extend(response.extend(0.0).to_array());
-        }
-        assert_close(&outputs.read("importance.response"), &expected);
-        assert_eq!(outputs.fact("importance", "stride"), &Value::U32(stride));
-    }
+fn blocks_are_for_reflectance() {
+    let Some(refused) = ROOM.harness(&[("evaluate", Value::from("blocks"))]).refusal() else { return };
+    assert!(refused.contains("blocks are for `reflectance`"), "{refused}");
 }
 
 #[test]
