@@ -15,20 +15,23 @@ const GREATEST: Struct = Struct::new("passes/importance-map/reflectance-values.w
 
 /// Returns the measure, and where it is evaluated.
 fn choices(settings: &Settings) -> Result<(&str, &str), PassTypeError> {
-    Ok((settings.text("measure")?, settings.text("evaluate")?))
+    let refused = |message: &str, help| Err(PassTypeError::setting("evaluate", message).help(help));
+    match (settings.text("measure")?, settings.text("evaluate")?) {
+        ("contribution", "blocks") => refused(
+            "importance by contribution is evaluated at texels: blocks are for `reflectance`",
+            "take `texels` or `on-demand`",
+        ),
+        ("reflectance", "on-demand") => refused(
+            "importance by reflectance is divided by its greatest value, so all texels are evaluated",
+            "take `blocks` or `texels`",
+        ),
+        choices => Ok(choices),
+    }
 }
 
 /// Returns the side of the blocks of which one texel is compared with the view \[texels\].
 fn block_side(settings: &Settings) -> Result<u32, PassTypeError> {
-    match settings.text("evaluate")? {
-        "texels" => Ok(1),
-        "blocks" => settings.u32("stride"),
-        _ => {
-            let message =
-                "importance by reflectance is divided by its greatest value, so all texels are evaluated";
-            Err(PassTypeError::setting("evaluate", message).help("take `blocks` or `texels`"))
-        }
-    }
+    if settings.text("evaluate")? == "blocks" { settings.u32("stride") } else { Ok(1) }
 }
 
 /// Returns whether contributions count relative to what a sample of the view receives.
@@ -57,10 +60,6 @@ fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
             outputs[0].members.push(("samples".into(), samples, Usage::Overwrites));
             outputs.extend(received);
             return Ok(outputs);
-        }
-        ("contribution", "blocks") => {
-            let message = "importance by contribution is evaluated at texels: blocks are for `reflectance`";
-            return Err(PassTypeError::setting("evaluate", message).help("take `texels` or `on-demand`"));
         }
         _ => {}
     }

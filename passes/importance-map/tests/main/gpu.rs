@@ -270,11 +270,16 @@ fn flux_is_its_luminance_and_needs_no_view() {
     assert_close(&outputs.read("importance.map"), &ROOM.luminances());
 }
 
-/// What blocks are for is said before anything runs.
 #[test]
-fn blocks_are_for_reflectance() {
-    let Some(refused) = ROOM.harness(&[("evaluate", Value::from("blocks"))]).refusal() else { return };
-    assert!(refused.contains("blocks are for `reflectance`"), "{refused}");
+fn each_measure_refuses_where_it_is_not_evaluated() {
+    for (measure, evaluate, why) in [
+        ("contribution", "blocks", "blocks are for `reflectance`"),
+        ("reflectance", "on-demand", "all texels are evaluated"),
+    ] {
+        let set = [("measure", Value::from(measure)), ("evaluate", Value::from(evaluate))];
+        let Some(refused) = ROOM.harness(&set).refusal() else { return };
+        assert!(refused.contains(why), "{refused}");
+    }
 }
 
 #[test]
