@@ -10,6 +10,7 @@
 #else
 #import "bounded-geometry.wgsl"
 #endif
+#import "horizon.wgsl"
 #import "scene.wgsl"
 #import "virtual-lights.wgsl"
 
@@ -28,6 +29,9 @@ fn light_geometry(
         return vec2(max(-dot(normal, light.normal), 0.0), 0.0);
     }
     let offset = at - light.position;
+    if !is_above_horizon(light, offset) {
+        return vec2(0.0);
+    }
     // Below the rounding of positions, neither the distance nor the light's direction is meaningful.
     let rounding = 1e-6 * scene_info.extent;
 #if GEOMETRY == disc

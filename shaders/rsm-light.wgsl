@@ -1,7 +1,9 @@
 // A virtual light from a texel of a reflective shadow map: for passes with a port `rsm`.
 
 #import "color.wgsl"
+#import "horizon.wgsl"
 #import "lights.wgsl"
+#import "octahedron.wgsl"
 #import "virtual-lights.wgsl"
 
 var rsm_position: texture_2d_array<f32>;
@@ -83,15 +85,21 @@ fn virtual_light_from_texel(layer: u32, x: u32, y: u32, weight: f32) -> VirtualL
     let size = textureDimensions(rsm_position);
     let texel = (layer * size.y + y) * size.x + x;
     let position = textureLoad(rsm_position, vec2(x, y), layer, 0);
-    let half_float_normal = textureLoad(rsm_normal, vec2(x, y), layer, 0).xyz;
-    if position.w == 0.0 || dot(half_float_normal, half_float_normal) == 0.0 {
+    let normals = textureLoad(rsm_normal, vec2(x, y), layer, 0);
+    if position.w == 0.0 || dot(normals.xyz, normals.xyz) == 0.0 {
         return dark_light(texel);
     }
     // Half floats change the normal's length by up to 0.05 %.
-    let normal = normalize(half_float_normal);
+    let normal = normalize(normals.xyz);
     let flux = textureLoad(rsm_flux, vec2(x, y), layer, 0);
     // A light of 1e30 W sampled with probability 1e-20 would be infinite.
     let whole = min(flux * weight, vec4(1e37));
     let share = share_of_radiosity(Reflected(position.xyz, normal, luminance(flux.rgb), flux.a), layer);
-    return VirtualLight(position.xyz, whole.a * share, normal, texel, whole.rgb, ON_SURFACE);
+    var light = VirtualLight(position.xyz, whole.a * share, normal, texel, whole.rgb, ON_SURFACE);
+    if normals.w != 0.0 {
+        light.kind = kind_with_horizon(direction_from_half_float(normals.w));
+        // The map has the flux that leaves: the light's is exact, although half floats and bytes turn its normal by a degree.
+        light.flux = min(light.flux / max(share_above_horizon(light), 1e-3), vec3(1e37));
+    }
+    return light;
 }

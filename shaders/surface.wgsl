@@ -5,6 +5,7 @@
 
 #option TEXTURED false // whether any material of the scene has a texture
 
+#import "mean-normal.wgsl"
 #import "scene.wgsl"
 
 /// The vertices of `Draw::Scene`.
@@ -43,24 +44,34 @@ struct Surface {
 /// The most reads along a footprint.
 const MOST_TAPS: f32 = 16.0;
 
-/// A texture filtered over a footprint: by as many reads along its longer side as that is longer than the other, each of a level
-/// whose texels are as wide as the shorter one. A sampler with anisotropic filtering does the same, but on llvmpipe it takes 10 to
-/// 100 times as long, and some adapters take the shape of a footprint from several threads, which have nothing to do with each other
-/// where rays end.
-fn texel_of(
-    textures: texture_2d_array<f32>, uv: vec2<f32>, layer: u32, uv_x: vec2<f32>, uv_y: vec2<f32>,
-) -> vec4<f32> {
-    let size = vec2<f32>(textureDimensions(textures));
+/// How a texture is read that is filtered over a footprint: by as many reads along its longer side as that is longer than the other,
+/// each of a level whose texels are as wide as the shorter one. A sampler with anisotropic filtering does the same, but on llvmpipe it
+/// takes 10 to 100 times as long, and some adapters take the shape of a footprint from several threads, which have nothing to do with
+/// each other where rays end.
+struct Footprint {
+    longer: vec2<f32>,
+    taps: f32,
+    level: f32,
+}
+
+/// The footprint of these changes of texture coordinates.
+fn footprint_of(uv_x: vec2<f32>, uv_y: vec2<f32>) -> Footprint {
+    let size = vec2<f32>(textureDimensions(scene_textures));
     let lengths = vec2(length(uv_x * size), length(uv_y * size));
     let longer = select(uv_y, uv_x, lengths.x > lengths.y);
     let texels = max(lengths.x, lengths.y);
     let taps = clamp(ceil(texels / max(min(lengths.x, lengths.y), 1.0)), 1.0, MOST_TAPS);
-    let level = log2(max(texels / taps, 1.0));
+    return Footprint(longer, taps, log2(max(texels / taps, 1.0)));
+}
+
+/// A texture filtered over a footprint.
+fn texel_of(textures: texture_2d_array<f32>, uv: vec2<f32>, layer: u32, over: Footprint) -> vec4<f32> {
     var sum = vec4(0.0);
-    for (var tap = 0.5; tap < taps; tap += 1.0) {
-        sum += textureSampleLevel(textures, scene_sampler, uv + longer * (tap / taps - 0.5), layer, level);
+    for (var tap = 0.5; tap < over.taps; tap += 1.0) {
+        let at = uv + over.longer * (tap / over.taps - 0.5);
+        sum += textureSampleLevel(textures, scene_sampler, at, layer, over.level);
     }
-    return sum / taps;
+    return sum / over.taps;
 }
 #endif
 
@@ -72,17 +83,18 @@ fn surface(index: u32, uv: vec2<f32>, uv_x: vec2<f32>, uv_y: vec2<f32>) -> Surfa
     var roughness = material.roughness;
     var emission = material.emission;
 #if TEXTURED
+    let over = footprint_of(uv_x, uv_y);
     if material.base_color_texture != NO_TEXTURE {
-        base *= texel_of(scene_textures, uv, material.base_color_texture, uv_x, uv_y);
+        base *= texel_of(scene_textures, uv, material.base_color_texture, over);
     }
     if material.metallic_roughness_texture != NO_TEXTURE {
         let layer = material.metallic_roughness_texture;
-        let texel = texel_of(scene_textures_linear, uv, layer, uv_x, uv_y);
+        let texel = texel_of(scene_textures_linear, uv, layer, over);
         roughness *= texel.g;
         metallic *= texel.b;
     }
     if material.emission_texture != NO_TEXTURE {
-        emission *= texel_of(scene_textures, uv, material.emission_texture, uv_x, uv_y).rgb;
+        emission *= texel_of(scene_textures, uv, material.emission_texture, over).rgb;
     }
 #endif
     // A dielectric of roughness 1 counts as Lambertian, here as in the trait `glossy`.
@@ -115,45 +127,47 @@ fn smooth_normal(interpolated: vec3<f32>, towards: vec3<f32>) -> vec3<f32> {
     return facing(unit(select(towards, interpolated, is_valid)), towards);
 }
 
-/// The normal for shading, unit: the smooth one, bent by the material's normal map. Bent far enough, it turns away from who
-/// sees the surface.
-fn shading_normal(index: u32, unbent: vec3<f32>, uv: vec2<f32>, change: Change) -> vec3<f32> {
+/// The mean of the normals for shading that a footprint has: the smooth one, unit, bent by the material's normal map. What is lit by
+/// the cosine of each is lit by that of their mean, which is shorter than they are: a unit vector would be too bright. It may turn away
+/// from who sees the surface.
+fn mean_shading_normal(index: u32, unbent: vec3<f32>, uv: vec2<f32>, change: Change) -> vec3<f32> {
 #if TEXTURED
     let layer = scene_materials[index].normal_texture;
     if layer != NO_TEXTURE {
-        return normal_by_texel(index, unbent, texel_of(scene_textures_linear, uv, layer, change.uv_x, change.uv_y), change);
+        let over = footprint_of(change.uv_x, change.uv_y);
+        let mean = texel_of(scene_textures_linear, uv, layer, over).xyz * 2.0 - 1.0;
+        let scale = scene_materials[index].normal_scale;
+        let scaled = vec3(mean.xy * scale, mean.z);
+        // Each normal is scaled and then made a unit vector. Where all lean alike, the mean of these has this length.
+        let length_of_each = sqrt(scale * scale * max(1.0 - mean.z * mean.z, 0.0) + mean.z * mean.z);
+        let share = min(length(scaled) / max(length_of_each, 1e-6), 1.0);
+        // Between texels of the finest level a normal is interpolated, and a unit vector.
+        return bent_normal(unbent, scaled, change) * mix(1.0, share, min(over.level, 1.0));
     }
 #endif
     return unbent;
 }
 
-/// The same where a ray ends, at the finest level: the change is that along two edges of the triangle, whatever its size.
+/// The normal for shading where a ray ends, unit, at the finest level: the change is that along two edges of the triangle, whatever its size.
 fn shading_normal_on_triangle(index: u32, unbent: vec3<f32>, uv: vec2<f32>, change: Change) -> vec3<f32> {
 #if TEXTURED
     let layer = scene_materials[index].normal_texture;
     if layer != NO_TEXTURE {
         let texel = textureSampleLevel(scene_textures_linear, scene_sampler, uv, layer, 0.0);
-        return normal_by_texel(index, unbent, texel, change);
+        let scale = vec3(vec2(scene_materials[index].normal_scale), 1.0);
+        return bent_normal(unbent, (texel.xyz * 2.0 - 1.0) * scale, change);
     }
 #endif
     return unbent;
 }
 
-/// The normal, bent by a texel of the material's normal map.
-fn normal_by_texel(index: u32, unbent: vec3<f32>, texel: vec4<f32>, change: Change) -> vec3<f32> {
-    let scale = vec3(vec2(scene_materials[index].normal_scale), 1.0);
-    return bent_normal(unbent, (texel.xyz * 2.0 - 1.0) * scale, change);
-}
-
-/// The flux that a surface reflects under a bent normal, over that under its own: it is lit by the cosine of the bent normal,
-/// and reflects nothing below the horizon of that, which is (1 - cosα) / 2 of what leaves a Lambertian surface.
-fn bent_share(normal: vec3<f32>, unbent: vec3<f32>, to_light: vec3<f32>) -> f32 {
+/// The light that a surface receives under a bent normal, or under those that have this mean, over that under its own.
+fn lit_share(normal: vec3<f32>, unbent: vec3<f32>, to_light: vec3<f32>) -> f32 {
     if all(normal == unbent) {
         return 1.0;
     }
     // A plane that is nearly parallel to the beam counts as if it stood at 84°, as its area does.
-    let lit = max(dot(normal, to_light), 0.0) / max(dot(unbent, to_light), 0.1);
-    return lit * (0.5 + 0.5 * dot(normal, unbent));
+    return dot(mean_facing(normal, to_light), to_light) / max(dot(unbent, to_light), 0.1);
 }
 
 /// The normal, flipped to the side of a direction.

@@ -29,6 +29,7 @@ mod lamps;
 mod linking;
 mod lsp;
 mod mixed;
+mod normal_maps;
 #[cfg(unix)]
 mod offline;
 mod pairs;

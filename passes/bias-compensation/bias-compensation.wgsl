@@ -190,7 +190,7 @@ fn area_at(at: vec3<f32>, normal: vec3<f32>, start: f32) -> f32 {
         let cosine = dot(lights.lights[i].normal, normal);
         let farther = 1.0 / max(cosine * cosine, 1e-6);
         let distance2 = dot(offset, offset) * farther * farther;
-        if distance2 < least && cosine > 0.0 && lights.lights[i].kind == ON_SURFACE {
+        if distance2 < least && cosine > 0.0 && lights.lights[i].kind != INFINITELY_FAR {
             least = distance2;
             nearest = i;
         }

@@ -12,6 +12,7 @@
     // distance and the angle (ACRSM Eq. 3.7).
 
 #import "dispatch.wgsl"
+#import "horizon.wgsl"
 #import "owners.wgsl"
 #import "scene.wgsl"
 #import "virtual-lights.wgsl"
@@ -187,7 +188,8 @@ fn update(row: Row) {
             let light = lights.lights[i];
             if is_lit(light) {
                 let offset = light.position - old.position;
-                own = both(own, Sums(offset, 1.0, light.normal - old.normal, light.area, light.flux));
+                let flux = light.flux * share_above_horizon(light);
+                own = both(own, Sums(offset, 1.0, light.normal - old.normal, light.area, flux));
             }
         }
     }

@@ -109,7 +109,7 @@ fn contribution(receiver: Receiver, light: VirtualLight, index: u32, terms: vec2
         }
 #if LIGHTS_LOBES
         let lobe = lights_lobes[index];
-        if light.kind == ON_SURFACE && any(lobe.flux > vec3(0.0)) {
+        if light.kind != INFINITELY_FAR && any(lobe.flux > vec3(0.0)) {
             flux += PI * lobe.flux
                 * specular_lobe(model, light.normal, lobe.incoming, way, lobe.f0, lobe.roughness, spread);
         }

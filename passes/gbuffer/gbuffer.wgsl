@@ -50,12 +50,12 @@ fn geometry(seen: Seen) -> Texel {
     var texel: Texel;
     texel.view_depth = depth_at_centre(seen, change, normals.towards);
     texel.view_normal = vec4(normals.shading, 0.0);
-    texel.view_albedo = vec4(normals.reflects * at.albedo, 1.0);
+    texel.view_albedo = vec4(normals.share * at.albedo, 1.0);
 #if NORMAL_MAPPED
     texel.view_geometric = octahedron_from_direction(normals.unbent);
 #endif
 #if GLOSSY && NORMALS == half
-    texel.view_specular = vec4(normals.reflects * at.specular, at.roughness);
+    texel.view_specular = vec4(normals.share * at.specular, at.roughness);
 #endif
     return texel;
 }
@@ -67,7 +67,7 @@ fn geometry(seen: Seen) -> Texel {
 fn view_specular(seen: Seen) -> @location(0) vec4<f32> {
     let change = change_of(seen);
     let at = fragment_surface(seen.material, seen.uv, change);
-    return vec4(normals_of(seen, change).reflects * at.specular, at.roughness);
+    return vec4(normals_of(seen, change).share * at.specular, at.roughness);
 }
 #endif
 
@@ -101,10 +101,10 @@ struct Normals {
     towards: vec3<f32>,
     /// Interpolated, unit.
     unbent: vec3<f32>,
-    /// Unit.
+    /// The mean of the normals in the pixel that face the camera, unit.
     shading: vec3<f32>,
-    /// 0 where the shading normal turns away: the surface reflects nothing to the camera.
-    reflects: f32,
+    /// Its length before: their share in the light that falls on the pixel.
+    share: f32,
 }
 
 fn normals_of(seen: Seen, change: Change) -> Normals {
@@ -112,8 +112,11 @@ fn normals_of(seen: Seen, change: Change) -> Normals {
     // next pixel is beyond the plane's horizon, as in frames of few pixels.
     let towards = facing(cross(change.position_y, change.position_x), -seen.offset);
     let unbent = smooth_normal(seen.normal, towards);
-    let shading = shading_normal(seen.material, unbent, seen.uv, change);
-    return Normals(towards, unbent, shading, select(0.0, 1.0, dot(shading, seen.offset) < 0.0));
+    let mean = mean_shading_normal(seen.material, unbent, seen.uv, change);
+    // Those that turn away reflect nothing to the camera, and light that falls on the others is none of theirs.
+    let facing = mean_facing(mean, -unit(seen.offset));
+    let share = min(length(facing), 1.0);
+    return Normals(towards, unbent, unit(select(mean, facing, share > 1e-3)), share);
 }
 
 fn change_of(seen: Seen) -> Change {

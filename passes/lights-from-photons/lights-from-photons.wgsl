@@ -18,6 +18,7 @@
 
 #import "algorithms/scaled.wgsl"
 #import "dispatch.wgsl"
+#import "horizon.wgsl"
 #import "surface-points.wgsl"
 #import "virtual-lights.wgsl"
 
@@ -90,7 +91,8 @@ fn flux_of(photon: u32) -> vec3<f32> {
     if owners[photon] >= settings.points_count && owners_before[photon] >= settings.before_count {
         return vec3(0.0);
     }
-    return weights_of(photons.lights[photon].flux);
+    let light = photons.lights[photon];
+    return weights_of(light.flux * share_above_horizon(light));
 }
 
 fn largest(flux: vec3<f32>) -> u32 {

@@ -18,7 +18,9 @@
 #import "bounded-geometry.wgsl"
 #import "algorithms/compact.wgsl"
 #import "counters.wgsl"
+#import "horizon.wgsl"
 #import "lights.wgsl"
+#import "octahedron.wgsl"
 #import "scene.wgsl"
 #import "sobol.wgsl"
 #import "surface-around.wgsl"
@@ -148,8 +150,8 @@ struct Receiver {
 /// what the bound removed.
 fn received(receiver: Receiver, texel: vec2<u32>, layer: u32, weight: f32) -> vec4<f32> {
     let position = textureLoad(rsm_position, texel, layer, 0);
-    let half_float_normal = textureLoad(rsm_normal, texel, layer, 0).xyz;
-    if position.w == 0.0 || dot(half_float_normal, half_float_normal) == 0.0 {
+    let normals = textureLoad(rsm_normal, texel, layer, 0);
+    if position.w == 0.0 || dot(normals.xyz, normals.xyz) == 0.0 {
         return vec4(0.0);
     }
     let offset = receiver.at - position.xyz;
@@ -160,8 +162,14 @@ fn received(receiver: Receiver, texel: vec2<u32>, layer: u32, weight: f32) -> ve
     let flux = textureLoad(rsm_flux, texel, layer, 0);
     // DEVIATION(bound): the paper has none.
     let least = settings.area_bound * settings.area_bound * flux.a * max(weight, 1.0);
-    let normal = normalize(half_float_normal);
-    let terms = weight * bounded_geometry(offset, normal, receiver.normal, 1e-6 * scene_info.extent, least, 0.0);
+    let normal = normalize(normals.xyz);
+    var stands_for = weight;
+    if normals.w != 0.0 {
+        let bent = direction_from_half_float(normals.w);
+        // The map has the flux that leaves above the horizon of the bent normal.
+        stands_for = select(0.0, weight / max(share_above(normal, bent), 1e-3), dot(bent, offset) >= 0.0);
+    }
+    let terms = stands_for * bounded_geometry(offset, normal, receiver.normal, 1e-6 * scene_info.extent, least, 0.0);
     return vec4(flux.rgb * terms.x, luminance(flux.rgb) * terms.y);
 }
 

@@ -7,7 +7,9 @@
 #option GLOSSY false // whether the map has the member `specular`
 
 #import "beam.wgsl"
+#import "horizon.wgsl"
 #import "lights.wgsl"
+#import "octahedron.wgsl"
 #import "surface-fragment.wgsl"
 
 struct Settings {
@@ -58,8 +60,14 @@ fn surfaces(seen: Seen) -> Texel {
     let travels = select(offset, -world_from_layer[2].xyz, parallel);
     let towards = facing(cross(change.position_y, change.position_x), -travels);
     let normal = smooth_normal(seen.normal, towards);
-    let share = bent_share(shading_normal(seen.material, normal, seen.uv, change), normal, -normalize(travels));
-    return Texel(vec4(seen.position, along), vec4(normal, 0.0), vec4(at.albedo, share));
+    let bent = mean_shading_normal(seen.material, normal, seen.uv, change);
+    var share = 1.0;
+    var horizon = 0.0;
+    if any(bent != normal) {
+        share = lit_share(bent, normal, -normalize(travels)) * share_above(normal, bent);
+        horizon = half_float_from_direction(unit(bent));
+    }
+    return Texel(vec4(seen.position, along), vec4(normal, horizon), vec4(at.albedo, share));
 }
 
 #if GLOSSY

@@ -15,6 +15,7 @@
 #import "color.wgsl"
 #import "cumulative-choice.wgsl"
 #import "dispatch.wgsl"
+#import "horizon.wgsl"
 #import "sobol.wgsl"
 #import "surfel.wgsl"
 #import "vertex-on-triangle.wgsl"
@@ -111,7 +112,7 @@ fn splat(row: Row) {
     let from_light = map_distance(light.kind, splat.local);
     // The image of a triangle that comes near the light is far larger than that of a small disc: from a corner, a wall is half of
     // what is seen.
-    if light.kind == ON_SURFACE && !surfel.is_small && surfel.radius > NEAR * from_light {
+    if light.kind != INFINITELY_FAR && !surfel.is_small && surfel.radius > NEAR * from_light {
         surfel.reach = vec2(0.5 * f32(tile));
     }
     let centre = map_position(light.kind, splat.local, from_light);
@@ -228,6 +229,9 @@ fn reflection(map: u32, texel: vec2<u32>) -> VirtualLight {
         return made;
     }
     let direction = normalize(frame * ray.direction);
+    if light.kind != INFINITELY_FAR && !is_above_horizon(light, direction) {
+        return made;
+    }
     let vertex = vertex_on_triangle(point.triangle, corners.yz / sum, direction);
     let is_far = light.kind == INFINITELY_FAR;
     let across = select(distance(vertex.position, light.position), 1.0, is_far);
@@ -236,7 +240,10 @@ fn reflection(map: u32, texel: vec2<u32>) -> VirtualLight {
     made.normal = vertex.geometric;
     // A plane that is nearly parallel to the ray counts as if it stood at 84°, as in reflective shadow maps.
     made.area = area / max(-dot(vertex.geometric, direction), 0.1);
-    let albedo = vertex.surface.albedo * bent_share(vertex.normal, vertex.geometric, -direction);
+    if any(vertex.normal != vertex.geometric) {
+        made.kind = kind_with_horizon(vertex.normal);
+    }
+    let albedo = vertex.surface.albedo * lit_share(vertex.normal, vertex.geometric, -direction);
     made.flux = weights_of(light.flux * share_of_texel(light, at) * albedo);
     return made;
 }

@@ -22,6 +22,7 @@
 #import "color.wgsl"
 #import "dispatch.wgsl"
 #import "hemisphere.wgsl"
+#import "horizon.wgsl"
 #import "light-power.wgsl"
 #import "lights.wgsl"
 #import "path-vertex.wgsl"
@@ -156,13 +157,14 @@ fn first_photon(path: u32, paths: u32) -> Emission {
     return photon;
 }
 
-/// Puts a light where a photon met a surface.
-fn put(place: u32, point: SurfacePoint, flux: vec3<f32>) {
+/// Puts a light of a kind where a photon met a surface.
+fn put(place: u32, point: SurfacePoint, flux: vec3<f32>, kind: u32) {
     var light: VirtualLight;
     light.position = point.position;
     light.normal = point.normal;
     light.texel = point.triangle;
     light.flux = weights_of(flux);
+    light.kind = kind;
     lights.lights[place] = light;
 #if ITERATION
     points.points[place] = point;
@@ -173,7 +175,7 @@ fn put(place: u32, point: SurfacePoint, flux: vec3<f32>) {
 fn put_nothing(place: u32) {
     var point = no_point();
     point.normal = vec3(0.0, 0.0, 1.0);
-    put(place, point, vec3(0.0));
+    put(place, point, vec3(0.0), ON_SURFACE);
 }
 
 /// Writes the lights of a path.
@@ -196,15 +198,20 @@ fn deposit(path: u32, paths: u32) {
             continue;
         }
         let point = surface_point(hit.triangle, hit.barycentrics, direction, hash2(seed(), place));
+        var bent = point.normal;
 #if ALBEDO == mean
         flux *= mean_albedo(scene_vertices[scene_indices[3u * hit.triangle]].material);
 #else
         let vertex = path_vertex(hit, direction);
-        flux *= vertex.surface.albedo * bent_share(vertex.normal, vertex.geometric, -direction);
+        flux *= vertex.surface.albedo * lit_share(vertex.normal, vertex.geometric, -direction);
+        bent = vertex.normal;
 #endif
-        put(place, point, flux);
+        put(place, point, flux, select(ON_SURFACE, kind_with_horizon(bent), any(bent != point.normal)));
         let square = sobol2_of(path, hash2(seed(), bounce + 1u));
         direction = frame_from_normal(point.normal) * by_cosine(square);
+        if dot(bent, direction) < 0.0 {
+            flux = vec3(0.0);
+        }
         origin = offset_origin(point.position, point.normal);
         nearest = 0.0;
     }

@@ -15,7 +15,7 @@ pub const INTERFACE: Interface = Interface::new(
         Member::required(
             "normal",
             Content::TextureArray(Format::Rgba16Float),
-            "interpolated normal in world space, unit, on the side of the light; normal maps do not bend it",
+            "interpolated normal in world space, unit, on the side of the light; in alpha the normal that a normal map bends, as octahedron.wgsl encodes it in a half float, and 0 without",
         ),
         Member::required(
             "flux",

@@ -1,9 +1,10 @@
 // The interface VirtualLights: lights on surfaces that stand for light reflected or emitted there, and lights infinitely far.
 //
 // A light on a surface carries flux Φ [W] and emits as a Lambertian surface: at a point x far from it, it gives the irradiance
-// Φ cosθ cosθ' V / (π d²). A light infinitely far gives Φ cosθ V, where Φ is the irradiance across its direction [W/m²].
+// Φ cosθ cosθ' V / (π d²), and none below the horizon of the normal that a normal map bends there (horizon.wgsl). A light infinitely
+// far gives Φ cosθ V, where Φ is the irradiance across its direction [W/m²].
 
-/// Values of `VirtualLight.kind`.
+/// Values of `VirtualLight.kind`; all others are bent normals of lights on surfaces.
 const ON_SURFACE: u32 = 0u;
 const INFINITELY_FAR: u32 = 1u;
 
@@ -18,9 +19,9 @@ struct VirtualLight {
     normal: vec3<f32>,
     /// Texel of the reflective shadow map that it was sampled from, counted through rows and layers.
     texel: u32,
-    /// Flux Φ [W]; of a light infinitely far, irradiance [W/m²].
+    /// Flux Φ [W], of which what is below the horizon does not leave; of a light infinitely far, irradiance [W/m²].
     flux: vec3<f32>,
-    /// ON_SURFACE or INFINITELY_FAR.
+    /// INFINITELY_FAR; or ON_SURFACE, in place of which stands the bent normal of a light under a normal map.
     kind: u32,
 }
 

@@ -66,7 +66,7 @@ impl SceneOnGpu {
         );
         let indices =
             stored("scene indices", cast_slice(&scene.indices), storage | BufferUsages::INDEX | built_from);
-        let array = textures::upload(device, &gpu.queue, &scene.textures);
+        let array = textures::upload(device, &gpu.queue, &scene.textures, &scene.materials);
         let info =
             stored("scene info", bytemuck::bytes_of(&info), BufferUsages::UNIFORM | BufferUsages::STORAGE);
         let materials = stored("scene materials", cast_slice(&materials), storage);

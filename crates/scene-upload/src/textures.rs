@@ -3,8 +3,9 @@
 
 use bytemuck::cast_slice;
 use executor::wgpu;
+use glam::Vec3;
 use rayon::prelude::*;
-use scene::{Encoding, Environment, Texture};
+use scene::{Encoding, Environment, Material, Texture};
 
 /// Greatest size of the array with its mip levels, in bytes; the side is halved until it fits.
 const BUDGET: u64 = 512 << 20;
@@ -30,8 +31,13 @@ pub(crate) struct TextureArray {
     pub(crate) linear: wgpu::TextureView,
 }
 
-/// Uploads the textures, each stretched to its own layer.
-pub(crate) fn upload(device: &wgpu::Device, queue: &wgpu::Queue, textures: &[Texture]) -> TextureArray {
+/// Uploads the textures of the materials, each stretched to its own layer.
+pub(crate) fn upload(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    textures: &[Texture],
+    materials: &[Material],
+) -> TextureArray {
     let side = array_side(textures, device.limits().max_texture_dimension_2d);
     let levels = side.ilog2() + 1;
     let array = device.create_texture(&wgpu::TextureDescriptor {
@@ -48,7 +54,9 @@ pub(crate) fn upload(device: &wgpu::Device, queue: &wgpu::Queue, textures: &[Tex
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[wgpu::TextureFormat::Rgba8UnormSrgb],
     });
-    let chains: Vec<Vec<Vec<u8>>> = textures.par_iter().map(|texture| mip_chain(texture, side)).collect();
+    let is_normal_map = |i: usize| materials.iter().any(|material| material.normal_texture == Some(i as u32));
+    let chain = |(i, texture)| mip_chain(texture, side, is_normal_map(i));
+    let chains: Vec<Vec<Vec<u8>>> = textures.par_iter().enumerate().map(chain).collect();
     for (layer, chain) in chains.iter().enumerate() {
         for (level, pixels) in chain.iter().enumerate() {
             let width = side >> level;
@@ -111,13 +119,17 @@ pub(crate) fn upload_environment(
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
-/// Returns all mip levels of a texture, RGBA of 8 bits, the finest first.
-fn mip_chain(texture: &Texture, side: u32) -> Vec<Vec<u8>> {
-    let base = if texture.width == side && texture.height == side {
+/// Returns all mip levels of a texture, RGBA of 8 bits, the finest first. A normal map has unit vectors at the finest level, and their
+/// means at the others, which say by their length how much the normals differ.
+fn mip_chain(texture: &Texture, side: u32, is_normal_map: bool) -> Vec<Vec<u8>> {
+    let mut base = if texture.width == side && texture.height == side {
         texture.pixels.clone()
     } else {
         stretch(texture, side)
     };
+    if is_normal_map {
+        base.chunks_exact_mut(4).for_each(make_unit);
+    }
     let mut chain = vec![base];
     let mut width = side;
     while width > 1 {
@@ -126,6 +138,16 @@ fn mip_chain(texture: &Texture, side: u32) -> Vec<Vec<u8>> {
         width /= 2;
     }
     chain
+}
+
+/// Scales the normal in a texel to unit length; one without a direction stays.
+fn make_unit(texel: &mut [u8]) {
+    let normal = Vec3::from_array([0, 1, 2].map(|i| f32::from(texel[i]) / 127.5 - 1.0));
+    if let Some(unit) = normal.try_normalize() {
+        for (byte, x) in texel.iter_mut().zip(unit.to_array()) {
+            *byte = ((x + 1.0) * 127.5).round() as u8;
+        }
+    }
 }
 
 /// Stretches a texture to a square. Colors are interpolated in linear light, since they would become darker
@@ -200,5 +222,26 @@ mod tests {
         assert!(stretched.chunks(4).all(|pixel| pixel[3] == 255), "alpha is no light");
         let plain = stretch(&texture(3, Encoding::Linear, row), 4);
         assert!((f32::from(plain[4]) / 255.0 - 0.625).abs() < 0.01, "{plain:?}");
+    }
+
+    /// Normals that lean by 60° to either side have half their length in the mean, whatever length the file gives them.
+    #[test]
+    fn normals_shorten_where_they_differ() {
+        let byte = |x: f32| ((x + 1.0) * 127.5).round() as u8;
+        let texel = |x: f32, length: f32| [byte(0.866 * x * length), byte(0.0), byte(0.5 * length), 255];
+        let pixels = [texel(1.0, 1.0), texel(-1.0, 0.4), texel(-1.0, 1.0), texel(1.0, 0.6)].concat();
+        let chain = mip_chain(&texture(2, Encoding::Linear, pixels), 2, true);
+        let decoded = |texel: &[u8]| [0, 1, 2].map(|i| f32::from(texel[i]) / 127.5 - 1.0);
+        for (texel, side) in chain[0].chunks_exact(4).zip([1.0, -1.0, -1.0, 1.0]) {
+            let expected = Vec3::new(0.866 * side, 0.0, 0.5);
+            assert!(Vec3::from(decoded(texel)).abs_diff_eq(expected, 0.02), "{texel:?} for {expected}");
+        }
+        let mean = Vec3::from(decoded(&chain[1]));
+        assert!(mean.abs_diff_eq(Vec3::new(0.0, 0.0, 0.5), 0.02), "{mean}");
+        // A normal of length 0 has no direction.
+        let none = [128, 128, 128, 255];
+        assert!(
+            mip_chain(&texture(1, Encoding::Linear, none.to_vec()), 1, true)[0].iter().all(|b| *b >= 127)
+        );
     }
 }

@@ -4,6 +4,7 @@ use super::Fault;
 use super::operator::{both, dot, each};
 use crate::float::Float;
 use crate::value::{Scalar, Value, Vector};
+use half::f16;
 use naga::MathFunction as Math;
 use shader_library::naga;
 
@@ -54,13 +55,15 @@ fn of_one<F: Float>(fun: Math, a: &Value<F>) -> Result<Value<F>, Fault> {
                 |bits: u32| Scalar::Float((F::of(f64::from(bits as i16)) / F::of(32767.0)).max(F::of(-1.0)));
             Ok(Value::Vector(Vector::new([half(word & 0xffff), half(word >> 16)])))
         }
+        (Math::Unpack2x16float, Value::Scalar(Scalar::U32(word))) => {
+            let half = |bits: u32| Scalar::Float(F::of(f16::from_bits(bits as u16).to_f64()));
+            Ok(Value::Vector(Vector::new([half(word & 0xffff), half(word >> 16)])))
+        }
         (Math::Pack2x16snorm, Value::Vector(vector)) => {
-            let half = |scalar: &Scalar<F>| match scalar {
-                Scalar::Float(x) => (0.5 + 32767.0 * x.f64().clamp(-1.0, 1.0)).floor() as i32 as u32 & 0xffff,
-                _ => 0,
-            };
-            let word = vector.components().iter().rev().fold(0, |word, x| word << 16 | half(x));
-            Ok(Value::Scalar(Scalar::U32(word)))
+            Ok(packed(vector, |x| (0.5 + 32767.0 * x.clamp(-1.0, 1.0)).floor() as i32 as u32 & 0xffff))
+        }
+        (Math::Pack2x16float, Value::Vector(vector)) => {
+            Ok(packed(vector, |x| u32::from(f16::from_f64(x).to_bits())))
         }
         _ => each(a, &|scalar| match scalar {
             Scalar::Float(x) => of_float(fun, x),
@@ -69,6 +72,16 @@ fn of_one<F: Float>(fun: Math, a: &Value<F>) -> Result<Value<F>, Fault> {
             Scalar::Bool(_) => unknown(fun),
         }),
     }
+}
+
+/// Two floats as one word, the first in its low half.
+fn packed<F: Float>(vector: &Vector<F>, half: impl Fn(f64) -> u32) -> Value<F> {
+    let bits = |scalar: &Scalar<F>| match scalar {
+        Scalar::Float(x) => half(x.f64()),
+        _ => 0,
+    };
+    let word = vector.components().iter().rev().fold(0, |word, x| word << 16 | bits(x));
+    Value::Scalar(Scalar::U32(word))
 }
 
 fn of_float<F: Float>(fun: Math, x: F) -> Result<Scalar<F>, Fault> {

@@ -1,6 +1,7 @@
 //! Functions of the library in `f64`, against the same written by hand.
 
 use crate::library;
+use glam::DVec3;
 use precision::{Interpreter, Value};
 use shader_library::Request;
 
@@ -302,6 +303,43 @@ fn a_disc_that_touches_a_receiver_is_a_half_space() {
                     assert!(!wrong, "{found} for {expected}, {off} off, {height} m away, tilted by {tilt}");
                 }
             }
+        }
+    }
+}
+
+/// A half float says a direction to a degree, and is a normal number: never 0, which says that there is none.
+#[test]
+fn a_half_float_says_a_direction() {
+    let path = "shaders/octahedron.wgsl";
+    for direction in directions() {
+        let number = call(path, "half_float_from_direction", vec![Value::floats(direction)]);
+        assert!((2f64.powi(-14)..65504.0).contains(&number[0].abs()), "{direction:?} is {number:?}");
+        assert_eq!(half::f16::from_f64(number[0]).to_f64(), number[0], "{direction:?}");
+        let found = call(path, "direction_from_half_float", vec![Value::floats([number[0]])]);
+        let cosine: f64 = found.iter().zip(direction).map(|(a, b)| a * b).sum();
+        assert!(cosine > 1f64.to_radians().cos(), "{found:?} of {direction:?}");
+    }
+}
+
+/// The mean of normals whose slopes are normally distributed says which of them face a direction.
+#[test]
+fn the_mean_of_normals_says_which_face_a_direction() {
+    let path = "shaders/mean-normal.wgsl";
+    let steps: Vec<f64> = (-60..=60).map(|i| f64::from(i) / 12.0).collect();
+    for deviation in [0.05, 0.2, 0.4] {
+        let slopes = steps.iter().flat_map(|x| steps.iter().map(move |y| (x, y))).map(|(x, y)| {
+            let density = (-0.5 * (x * x + y * y)).exp() / (144.0 * std::f64::consts::TAU);
+            (DVec3::new(-x * deviation, -y * deviation, 1.0).normalize(), density)
+        });
+        let mean: DVec3 = slopes.clone().map(|(normal, density)| normal * density).sum();
+        for angle in [0.0, 40.0, 70.0, 85.0, 100.0] {
+            let (sine, cosine) = f64::to_radians(angle).sin_cos();
+            let to = DVec3::new(0.6 * sine, 0.8 * sine, cosine);
+            let facing = slopes.clone().filter(|(normal, _)| normal.dot(to) > 0.0);
+            let expected: DVec3 = facing.map(|(normal, density)| normal * density).sum();
+            let given = vec![Value::floats(mean.to_array()), Value::floats(to.to_array())];
+            let found = DVec3::from_slice(&call(path, "mean_facing", given));
+            assert!(found.distance(expected) < 0.03, "{deviation}, {angle}°: {found} for {expected}");
         }
     }
 }
