@@ -19,6 +19,7 @@
 
 #import "dispatch.wgsl"
 #import "domain.wgsl"
+#import "horizon.wgsl"
 #import "path-vertex.wgsl"
 #import "random.wgsl"
 #import "ray-tracing.wgsl"
@@ -202,11 +203,15 @@ fn met(light: Light, place: vec3<f32>, seed: u32) -> SurfacePoint {
     return point;
 }
 
+/// The share of the light along a direction that a point reflects.
 fn reflectance(point: SurfacePoint, direction: vec3<f32>) -> vec3<f32> {
 #if ALBEDO == mean
     return mean_albedo(scene_vertices[scene_indices[3u * point.triangle]].material);
 #else
-    return path_vertex(Hit(0.0, point.triangle, point.barycentrics), direction).surface.albedo;
+    let vertex = path_vertex(Hit(0.0, point.triangle, point.barycentrics), direction);
+    let lit = lit_share(vertex.normal, vertex.geometric, -direction);
+    // What leaves, without the directions of a horizon: a light stands for the places around it, whose normals bend otherwise.
+    return vertex.surface.albedo * lit * share_above(vertex.geometric, vertex.normal);
 #endif
 }
 
