@@ -54,8 +54,7 @@ pub(crate) fn upload(
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[wgpu::TextureFormat::Rgba8UnormSrgb],
     });
-    let is_normal_map = |i: usize| materials.iter().any(|material| material.normal_texture == Some(i as u32));
-    let chain = |(i, texture)| mip_chain(texture, side, is_normal_map(i));
+    let chain = |(i, texture)| mip_chain(texture, side, Holds::of(i as u32, materials));
     let chains: Vec<Vec<Vec<u8>>> = textures.par_iter().enumerate().map(chain).collect();
     for (layer, chain) in chains.iter().enumerate() {
         for (level, pixels) in chain.iter().enumerate() {
@@ -119,34 +118,71 @@ pub(crate) fn upload_environment(
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
-/// Returns all mip levels of a texture, RGBA of 8 bits, the finest first. A normal map has unit vectors at the finest level, and their
-/// means at the others, which say by their length how much the normals differ.
-fn mip_chain(texture: &Texture, side: u32, is_normal_map: bool) -> Vec<Vec<u8>> {
+/// What the texels of a texture say, on which it depends what their mean is.
+#[derive(Clone, Copy, PartialEq)]
+enum Holds {
+    /// Each channel by itself.
+    Channels,
+    /// Colors of surfaces that are cut out where alpha is low: what is not there has no color.
+    CutOuts,
+    /// Unit vectors. Their mean says by its length how much they differ.
+    Normals,
+}
+
+impl Holds {
+    fn of(texture: u32, materials: &[Material]) -> Self {
+        let texture = Some(texture);
+        if materials.iter().any(|material| material.normal_texture == texture) {
+            return Self::Normals;
+        }
+        let mut colored =
+            materials.iter().filter(|material| material.base_color_texture == texture).peekable();
+        let is_cut_out = colored.peek().is_some() && colored.all(|material| material.alpha_cutoff.is_some());
+        if is_cut_out { Self::CutOuts } else { Self::Channels }
+    }
+}
+
+/// Returns all mip levels of a texture, RGBA of 8 bits, the finest first.
+fn mip_chain(texture: &Texture, side: u32, holds: Holds) -> Vec<Vec<u8>> {
     let mut base = if texture.width == side && texture.height == side {
         texture.pixels.clone()
     } else {
         stretch(texture, side)
     };
-    if is_normal_map {
+    if holds == Holds::Normals {
         base.chunks_exact_mut(4).for_each(make_unit);
     }
     let mut chain = vec![base];
     let mut width = side;
     while width > 1 {
-        let next = halve(&chain[chain.len() - 1], width, texture.encoding);
+        let next = halve(&chain[chain.len() - 1], width, texture.encoding, holds);
         chain.push(next);
         width /= 2;
+    }
+    if holds == Holds::CutOuts {
+        for level in (2..chain.len()).rev() {
+            let (finer, coarser) = chain.split_at_mut(level);
+            color_what_is_cut_out(&mut finer[level - 1], &coarser[0], side as usize >> (level - 1));
+        }
     }
     chain
 }
 
-/// Scales the normal in a texel to unit length; one without a direction stays.
+/// Gives texels of which nothing is there the color of the level above, so that filters mix no black into what is beside them.
+fn color_what_is_cut_out(pixels: &mut [u8], above: &[u8], width: usize) {
+    for (i, texel) in pixels.chunks_exact_mut(4).enumerate() {
+        if texel[3] == 0 {
+            let first = (i / width / 2 * (width / 2) + i % width / 2) * 4;
+            texel[..3].copy_from_slice(&above[first..first + 3]);
+        }
+    }
+}
+
+/// Scales the normal in a texel to unit length. No byte stands for 0, so every normal has a direction.
 fn make_unit(texel: &mut [u8]) {
     let normal = Vec3::from_array([0, 1, 2].map(|i| f32::from(texel[i]) / 127.5 - 1.0));
-    if let Some(unit) = normal.try_normalize() {
-        for (byte, x) in texel.iter_mut().zip(unit.to_array()) {
-            *byte = ((x + 1.0) * 127.5).round() as u8;
-        }
+    for (byte, x) in texel.iter_mut().zip(normal.normalize().to_array()) {
+        *byte = ((x + 1.0) * 127.5).round() as u8;
     }
 }
 
@@ -173,27 +209,37 @@ fn is_color(encoding: Encoding, channel: usize) -> bool {
 }
 
 /// Returns the mean of each 2×2 texels, for colors in linear light.
-fn halve(pixels: &[u8], width: u32, encoding: Encoding) -> Vec<u8> {
+fn halve(pixels: &[u8], width: u32, encoding: Encoding, holds: Holds) -> Vec<u8> {
     let half = (width / 2) as usize;
     let width = width as usize;
     let mut out = Vec::with_capacity(half * half * 4);
     for y in 0..half {
         for x in 0..half {
+            let corners = [(0, 0), (1, 0), (0, 1), (1, 1)];
+            let four = corners.map(|(dx, dy)| {
+                let first = ((2 * y + dy) * width + 2 * x + dx) * 4;
+                [0, 1, 2, 3].map(|channel| pixels[first + channel])
+            });
+            let alphas = four.map(|texel| f32::from(texel[3]));
+            let is_weighted = holds == Holds::CutOuts && alphas.iter().any(|alpha| *alpha > 0.0);
             for channel in 0..4 {
-                let texel = |dx: usize, dy: usize| pixels[((2 * y + dy) * width + 2 * x + dx) * 4 + channel];
-                let four = [texel(0, 0), texel(1, 0), texel(0, 1), texel(1, 1)];
-                let mean = if is_color(encoding, channel) {
-                    let sum: f32 =
-                        four.iter().map(|v| metrics::linear_from_srgb(f32::from(*v) / 255.0)).sum();
-                    metrics::srgb_from_linear(sum / 4.0) * 255.0
-                } else {
-                    four.iter().map(|v| f32::from(*v)).sum::<f32>() / 4.0
-                };
-                out.push(mean.round() as u8);
+                let values = four.map(|texel| texel[channel]);
+                let weights = if is_weighted && channel < 3 { alphas } else { [1.0; 4] };
+                out.push(mean(values, weights, is_color(encoding, channel)));
             }
         }
     }
     out
+}
+
+/// Returns the weighted mean of bytes, of colors that of the light that they encode.
+fn mean(values: [u8; 4], weights: [f32; 4], is_color: bool) -> u8 {
+    let decoded = |byte: u8| {
+        if is_color { metrics::linear_from_srgb(f32::from(byte) / 255.0) } else { f32::from(byte) }
+    };
+    let sum: f32 = values.into_iter().zip(weights).map(|(byte, weight)| weight * decoded(byte)).sum();
+    let mean = sum / weights.iter().sum::<f32>();
+    (if is_color { metrics::srgb_from_linear(mean) * 255.0 } else { mean }).round() as u8
 }
 
 #[cfg(test)]
@@ -230,7 +276,7 @@ mod tests {
         let byte = |x: f32| ((x + 1.0) * 127.5).round() as u8;
         let texel = |x: f32, length: f32| [byte(0.866 * x * length), byte(0.0), byte(0.5 * length), 255];
         let pixels = [texel(1.0, 1.0), texel(-1.0, 0.4), texel(-1.0, 1.0), texel(1.0, 0.6)].concat();
-        let chain = mip_chain(&texture(2, Encoding::Linear, pixels), 2, true);
+        let chain = mip_chain(&texture(2, Encoding::Linear, pixels), 2, Holds::Normals);
         let decoded = |texel: &[u8]| [0, 1, 2].map(|i| f32::from(texel[i]) / 127.5 - 1.0);
         for (texel, side) in chain[0].chunks_exact(4).zip([1.0, -1.0, -1.0, 1.0]) {
             let expected = Vec3::new(0.866 * side, 0.0, 0.5);
@@ -238,10 +284,30 @@ mod tests {
         }
         let mean = Vec3::from(decoded(&chain[1]));
         assert!(mean.abs_diff_eq(Vec3::new(0.0, 0.0, 0.5), 0.02), "{mean}");
-        // A normal of length 0 has no direction.
-        let none = [128, 128, 128, 255];
-        assert!(
-            mip_chain(&texture(1, Encoding::Linear, none.to_vec()), 1, true)[0].iter().all(|b| *b >= 127)
+    }
+
+    /// The mean of a white leaf and what is around it is white.
+    #[test]
+    fn what_is_cut_out_has_no_color() {
+        let (leaf, around) = ([255, 255, 255, 255], [0, 0, 0, 0]);
+        let pixels = [leaf, around, around, around].concat();
+        for (holds, color) in [(Holds::CutOuts, 255), (Holds::Channels, 137)] {
+            let chain = mip_chain(&texture(2, Encoding::Srgb, pixels.clone()), 2, holds);
+            assert_eq!(chain[1], [color, color, color, 64]);
+        }
+        // So is the mean of what has no leaf beside it.
+        let rows = [[leaf, around, around, around], [around; 4], [around; 4], [around; 4]].concat().concat();
+        let chain = mip_chain(&texture(4, Encoding::Srgb, rows), 4, Holds::CutOuts);
+        assert_eq!(
+            chain[1],
+            [[255, 255, 255, 64], [255, 255, 255, 0], [255, 255, 255, 0], [255, 255, 255, 0]].concat()
         );
+        let nothing = mip_chain(&texture(2, Encoding::Srgb, around.repeat(4)), 2, Holds::CutOuts);
+        assert_eq!(nothing[1], around);
+        let cut_out =
+            Material { base_color_texture: Some(0), alpha_cutoff: Some(0.5), ..Material::default() };
+        let whole = Material { alpha_cutoff: None, ..cut_out.clone() };
+        assert!(Holds::of(0, &[cut_out.clone()]) == Holds::CutOuts);
+        assert!(Holds::of(0, &[cut_out, whole]) == Holds::Channels);
     }
 }

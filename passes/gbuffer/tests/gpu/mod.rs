@@ -4,6 +4,7 @@ use crate::cpu_reference::Camera;
 use glam::{DMat3, DVec3, UVec2, dvec2, dvec3, uvec2};
 use half::f16;
 use pass_test::Harness;
+use pass_test::random::hash;
 use scene::Scene;
 
 const WIDTH: u32 = 45;
@@ -332,5 +333,31 @@ fn fine_stripes_are_filtered_along_either_axis() {
             let found = albedo[0].to_f32();
             assert!((found - mean).abs() < 0.1 * mean, "pixel {i}, across {across}: {found} for {mean}");
         }
+    }
+}
+
+/// Of strips of which three in ten are there, at random and finer than pixels, three in ten pixels see one, with its whole color: their
+/// mean is below the cutoff.
+#[test]
+fn fine_masks_leave_what_is_there() {
+    let (mut scene, _) = pass_test::rooms::bent_plane(0.0);
+    let strip = |i: u32| if hash(i / 4096 * 512 + i % 512) % 10 < 3 { [255; 4] } else { [0; 4] };
+    let texture = &mut scene.textures[0];
+    (texture.width, texture.height, texture.encoding) = (512, 512, scene::Encoding::Srgb);
+    texture.pixels = (0..512 * 512).flat_map(strip).collect();
+    let there = (0..512 * 512).filter(|i| strip(*i)[3] > 0).count() as f64 / f64::from(512 * 512);
+    let material = &mut scene.materials[0];
+    (material.normal_texture, material.base_color_texture) = (None, Some(0));
+    material.alpha_cutoff = Some(0.5);
+    let whole = material.base_color.x;
+    // Some five of the 512 texels on 2 m are in a pixel, at another place in each.
+    scene.camera = pass_test::rooms::camera_at([0.0, 2.0, 0.0], [0.3, 0.0, 0.1], 2.0 * 0.3f32.atan());
+    let Some(outputs) = Harness::new(gbuffer::PASS).with_scene(scene).frame(64, 64).run() else { return };
+    let depths: Vec<f32> = outputs.read("view.depth");
+    let seen = depths.iter().filter(|depth| **depth > 0.0).count() as f64 / depths.len() as f64;
+    assert!((seen / there - 1.0).abs() < 0.1, "{seen} for {there}");
+    for (albedo, depth) in outputs.read::<[f16; 4]>("view.albedo").into_iter().zip(depths) {
+        let expected = if depth > 0.0 { whole } else { 0.0 };
+        assert!((albedo[0].to_f32() - expected).abs() < 0.03 * whole, "{albedo:?} for {expected}");
     }
 }
