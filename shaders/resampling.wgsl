@@ -6,6 +6,7 @@
 #import "algorithms/scaled.wgsl"
 #import "bounded-geometry.wgsl"
 #import "color.wgsl"
+#import "horizon.wgsl"
 #import "reservoirs.wgsl"
 #import "scene.wgsl"
 
@@ -39,7 +40,10 @@ fn contribution(by: Target, light: VirtualLight, receiver: Receiver) -> f32 {
     }
     let offset = receiver.at - light.position;
     let least = by.bound * by.bound * light.area;
-    let term = bounded_geometry(offset, light.normal, receiver.normal, 1e-6 * scene_info.extent, least, 0.0).x;
+    var term = 0.0;
+    if is_above_horizon(light, offset) {
+        term = bounded_geometry(offset, light.normal, receiver.normal, 1e-6 * scene_info.extent, least, 0.0).x;
+    }
     return weight_of(luminance(light.flux) * (term + by.least * term_at_extent()));
 }
 
