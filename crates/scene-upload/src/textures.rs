@@ -307,7 +307,7 @@ mod tests {
         let cut_out =
             Material { base_color_texture: Some(0), alpha_cutoff: Some(0.5), ..Material::default() };
         let whole = Material { alpha_cutoff: None, ..cut_out.clone() };
-        assert!(Holds::of(0, &[cut_out.clone()]) == Holds::CutOuts);
+        assert!(Holds::of(0, std::slice::from_ref(&cut_out)) == Holds::CutOuts);
         assert!(Holds::of(0, &[cut_out, whole]) == Holds::Channels);
     }
 }
