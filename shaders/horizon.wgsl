@@ -2,9 +2,9 @@
 
 #import "virtual-lights.wgsl"
 
-/// The kind of a light on a surface whose normal map bends its normal to this unit vector.
-fn kind_with_horizon(bent: vec3<f32>) -> u32 {
-    return pack4x8snorm(vec4(bent, 0.0));
+/// The kind of a light on a surface whose unit normal is bent to another one, or is the same.
+fn kind_on_surface(normal: vec3<f32>, bent: vec3<f32>) -> u32 {
+    return select(ON_SURFACE, pack4x8snorm(vec4(bent, 0.0)), any(bent != normal));
 }
 
 /// The bent normal of a light under a normal map, of about unit length.

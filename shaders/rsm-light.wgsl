@@ -97,7 +97,7 @@ fn virtual_light_from_texel(layer: u32, x: u32, y: u32, weight: f32) -> VirtualL
     let share = share_of_radiosity(Reflected(position.xyz, normal, luminance(flux.rgb), flux.a), layer);
     var light = VirtualLight(position.xyz, whole.a * share, normal, texel, whole.rgb, ON_SURFACE);
     if normals.w != 0.0 {
-        light.kind = kind_with_horizon(direction_from_half_float(normals.w));
+        light.kind = kind_on_surface(normal, direction_from_half_float(normals.w));
         // The map has the flux that leaves: the light's is exact, although half floats and bytes turn its normal by a degree.
         light.flux = min(light.flux / max(share_above_horizon(light), 1e-3), vec3(1e37));
     }

@@ -240,9 +240,7 @@ fn reflection(map: u32, texel: vec2<u32>) -> VirtualLight {
     made.normal = vertex.geometric;
     // A plane that is nearly parallel to the ray counts as if it stood at 84°, as in reflective shadow maps.
     made.area = area / max(-dot(vertex.geometric, direction), 0.1);
-    if any(vertex.normal != vertex.geometric) {
-        made.kind = kind_with_horizon(vertex.normal);
-    }
+    made.kind = kind_on_surface(vertex.geometric, vertex.normal);
     let albedo = vertex.surface.albedo * lit_share(vertex.normal, vertex.geometric, -direction);
     made.flux = weights_of(light.flux * share_of_texel(light, at) * albedo);
     return made;

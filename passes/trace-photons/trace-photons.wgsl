@@ -206,7 +206,7 @@ fn deposit(path: u32, paths: u32) {
         flux *= vertex.surface.albedo * lit_share(vertex.normal, vertex.geometric, -direction);
         bent = vertex.normal;
 #endif
-        put(place, point, flux, select(ON_SURFACE, kind_with_horizon(bent), any(bent != point.normal)));
+        put(place, point, flux, kind_on_surface(point.normal, bent));
         let square = sobol2_of(path, hash2(seed(), bounce + 1u));
         direction = frame_from_normal(point.normal) * by_cosine(square);
         if dot(bent, direction) < 0.0 {
