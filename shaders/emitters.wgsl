@@ -76,10 +76,11 @@ fn sample_emitter(place: vec2<u32>) -> EmitterPoint {
     point.normal = shape.xyz;
     point.triangle = triangle;
     point.density = density_of_emitter(emitter, shape.w);
-    let at = surface_on_triangle(triangle, barycentrics);
-    point.radiance = at.emission;
+    let material = scene_vertices[scene_indices[3u * triangle]].material;
+    let uv = uv_on_triangle(triangle, barycentrics);
+    point.radiance = surface(material, uv, vec2(0.0), vec2(0.0)).emission;
 #if MASKED
-    if !surface_exists(scene_vertices[scene_indices[3u * triangle]].material, at.coverage) {
+    if !surface_exists(material, uv) {
         point.radiance = vec3(0.0);
     }
 #endif

@@ -13,7 +13,7 @@ fn triangle_exists(index: u32, barycentrics: vec2<f32>) -> bool {
 #if MASKED
     let material = scene_vertices[scene_indices[3u * index]].material;
     if scene_materials[material].alpha_cutoff > 0.0 {
-        return surface_exists(material, surface_on_triangle(index, barycentrics).coverage);
+        return surface_exists(material, uv_on_triangle(index, barycentrics));
     }
 #endif
     return true;

@@ -31,8 +31,6 @@ struct Change {
 struct Surface {
     /// Diffuse reflectance.
     albedo: vec3<f32>,
-    /// Alpha; below the material's cutoff there is no surface.
-    coverage: f32,
     /// Reflectance at normal incidence.
     specular: vec3<f32>,
     roughness: f32,
@@ -100,21 +98,28 @@ fn surface(index: u32, uv: vec2<f32>, uv_x: vec2<f32>, uv_y: vec2<f32>) -> Surfa
     // A dielectric of roughness 1 counts as Lambertian, here as in the trait `glossy`.
     let dielectric = select(material.specular, vec3(0.0), roughness >= 1.0);
     let specular = mix(dielectric, base.rgb, metallic);
-    return Surface(base.rgb * (1.0 - metallic), base.a, specular, roughness, emission);
+    return Surface(base.rgb * (1.0 - metallic), specular, roughness, emission);
 }
 
-/// The surface at a point of a triangle, by the weights of its second and third vertex, at the finest level of textures.
-fn surface_on_triangle(index: u32, barycentrics: vec2<f32>) -> Surface {
-    let first = scene_vertices[scene_indices[3u * index]];
+/// The texture coordinates of a point of a triangle, by the weights of its second and third vertex.
+fn uv_on_triangle(index: u32, barycentrics: vec2<f32>) -> vec2<f32> {
+    let uv = scene_vertices[scene_indices[3u * index]].uv;
     let uv1 = scene_vertices[scene_indices[3u * index + 1u]].uv;
     let uv2 = scene_vertices[scene_indices[3u * index + 2u]].uv;
-    let uv = first.uv + (uv1 - first.uv) * barycentrics.x + (uv2 - first.uv) * barycentrics.y;
-    return surface(first.material, uv, vec2(0.0), vec2(0.0));
+    return uv + (uv1 - uv) * barycentrics.x + (uv2 - uv) * barycentrics.y;
 }
 
-/// Whether the surface is there: alpha is not below the material's cutoff.
-fn surface_exists(index: u32, coverage: f32) -> bool {
-    return coverage >= scene_materials[index].alpha_cutoff;
+/// Whether the surface is there: alpha at the finest level of textures is not below the material's cutoff. A mask is filtered no more
+/// than the outlines of triangles are: where its mean is below the cutoff nothing would be left.
+fn surface_exists(index: u32, uv: vec2<f32>) -> bool {
+    let material = scene_materials[index];
+    var alpha = material.base_color.a;
+#if TEXTURED
+    if material.alpha_cutoff > 0.0 && material.base_color_texture != NO_TEXTURE {
+        alpha *= textureSampleLevel(scene_textures, scene_sampler, uv, material.base_color_texture, 0.0).a;
+    }
+#endif
+    return alpha >= material.alpha_cutoff;
 }
 
 /// The interpolated normal, unit, on the seen side.
@@ -148,7 +153,8 @@ fn mean_shading_normal(index: u32, unbent: vec3<f32>, uv: vec2<f32>, change: Cha
     return unbent;
 }
 
-/// The normal for shading where a ray ends, unit, at the finest level: the change is that along two edges of the triangle, whatever its size.
+/// The normal for shading where a ray ends, unit, at the finest level: the change is that along two edges of the triangle, whatever its
+/// size.
 fn shading_normal_on_triangle(index: u32, unbent: vec3<f32>, uv: vec2<f32>, change: Change) -> vec3<f32> {
 #if TEXTURED
     let layer = scene_materials[index].normal_texture;

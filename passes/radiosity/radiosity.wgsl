@@ -84,7 +84,7 @@ fn diffuse_vertex(hit: Hit, direction: vec3<f32>) -> PathVertex {
 
 /// A point as the beginning of a path.
 fn diffuse_point(point: SurfacePoint, albedo: vec3<f32>) -> PathVertex {
-    return PathVertex(point.position, point.normal, point.normal, Surface(albedo, 1.0, vec3(0.0), 1.0, vec3(0.0)));
+    return PathVertex(point.position, point.normal, point.normal, Surface(albedo, vec3(0.0), 1.0, vec3(0.0)));
 }
 
 /// Light that arrives along one path at a point, but for that of the scene's lights: π times the radiance [W/m²].
