@@ -105,6 +105,7 @@ fn visibility(index: u32, at: vec3<f32>, normal: vec3<f32>) -> f32 {
     let part = centre - floor(centre);
     let reach = STEEPEST * texel * f32(settings.pcf / 2u + 1u);
     var lit = 0.0;
+    var weights = 0.0;
     for (var y = 0u; y <= settings.pcf; y++) {
         let weight_y = select(1.0, 1.0 - part.y, y == 0u) * select(1.0, part.y, y == settings.pcf);
         for (var x = 0u; x <= settings.pcf; x++) {
@@ -114,11 +115,14 @@ fn visibility(index: u32, at: vec3<f32>, normal: vec3<f32>) -> f32 {
             // DEVIATION(bias): compared with the receiver's plane minus a depth bias that is the same for all taps.
             let expected = clamp(plane_distance(receiver, n, plane, perspective), distance - reach, distance + reach);
             let seen = textureLoad(rsm_position, vec2<u32>(tap), index, 0).w;
-            // Where the map is empty, nothing occludes.
-            lit += weight_x * weight_y * select(0.0, 1.0, seen == 0.0 || seen >= expected - bias);
+            // An empty texel, past the outline of the scene, tells nothing of surfaces, whether they are lit.
+            let weight = select(0.0, weight_x * weight_y, seen != 0.0);
+            lit += select(0.0, weight, seen >= expected - bias);
+            weights += weight;
         }
     }
-    return lit / f32(settings.pcf * settings.pcf);
+    // Where the map is empty all around, nothing occludes.
+    return select(1.0, lit / weights, weights > 0.0);
 }
 
 /// Distance along the layer's axis [m] at which the ray through `tap`, a point of the image plane, meets the plane

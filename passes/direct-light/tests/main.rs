@@ -72,6 +72,19 @@ fn what_is_in_front_of_the_screen_is_lit() {
     assert!((screened(true).visibility(dvec3(-0.3, 0.0, -0.9), TOWARDS, 5, 0.5) - 1.0).abs() < 1e-12);
 }
 
+/// The wall of a building, hidden by its roof: the sun's map is empty beside the building.
+#[test]
+fn past_the_outline_of_the_scene_a_hidden_surface_stays_dark_and_a_lit_one_lit() {
+    for (nearest, expected) in [(1.0, 0.0), (2.0, 1.0)] {
+        let distances = (0..64 * 64).map(|i| if i % 64 < 32 { nearest } else { 0.0 }).collect();
+        let map = Map { size: 64, half_extent: DVec2::ONE, perspective: false, distances };
+        for x in [-0.2, -0.05, -0.01, 0.0, 0.01] {
+            let lit = map.visibility(dvec3(x, 0.1, -2.0), TOWARDS, 5, 0.5);
+            assert!((lit - expected).abs() < 1e-12, "{lit} at {x} behind {nearest}");
+        }
+    }
+}
+
 #[test]
 fn an_empty_map_hides_nothing_and_a_spot_sends_nothing_back() {
     let empty = Map { size: 8, half_extent: DVec2::ONE, perspective: true, distances: vec![0.0; 64] };

@@ -65,18 +65,20 @@ impl Map {
             i if i == pcf => part,
             _ => 1.0,
         };
-        let mut lit = 0.0;
+        let (mut lit, mut weights) = (0.0, 0.0);
         for (y, x) in (0..=pcf).flat_map(|y| (0..=pcf).map(move |x| (y, x))) {
             let tap = low + UVec2::new(x, y).as_dvec2();
             let tap = tap.clamp(DVec2::ZERO, DVec2::splat(size - 1.0)).as_uvec2();
             let expected = plane_distance(receiver, n, self.on_image_plane(tap), self.perspective)
                 .clamp(distance - reach, distance + reach);
             let seen = self.distances[(tap.y * self.size + tap.x) as usize];
-            if seen == 0.0 || seen >= expected - bias {
-                lit += weight(x, part.x) * weight(y, part.y);
+            if seen != 0.0 {
+                let weight = weight(x, part.x) * weight(y, part.y);
+                lit += if seen >= expected - bias { weight } else { 0.0 };
+                weights += weight;
             }
         }
-        lit / f64::from(pcf * pcf)
+        if weights > 0.0 { lit / weights } else { 1.0 }
     }
 }
 

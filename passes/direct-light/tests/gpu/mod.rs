@@ -118,8 +118,11 @@ fn shadows_are_those_of_the_cpu_reference() {
         distances: vec![1.0; (MAP * MAP) as usize],
     };
     for i in 0..MAP * MAP {
-        if map.on_image_plane(uvec2(i % MAP, i / MAP)).length() < 0.4 {
+        let at = map.on_image_plane(uvec2(i % MAP, i / MAP));
+        if at.length() < 0.4 {
             map.distances[i as usize] = 0.5;
+        } else if at.x.abs() > 0.37 && at.length() < 0.5 {
+            map.distances[i as usize] = 0.0;
         }
     }
     let Some(direct) = light(&scene, |i| map.distances[i as usize] as f32, None) else { return };
