@@ -33,8 +33,8 @@ fn view_ray(at_px: vec2<f32>) -> vec3<f32> {
     return (camera.world_from_view * vec4(plane, -1.0, 0.0)).xyz;
 }
 
-/// World direction through the centre of a pixel of a view of `size` pixels, which may be smaller than the frame; with
-/// length 1 along the viewing axis.
+/// World direction through the centre of a pixel of a view of `size` pixels, which may be smaller than the frame, or of more
+/// samples; with length 1 along the viewing axis.
 fn pixel_ray(pixel: vec2<f32>, size: vec2<u32>) -> vec3<f32> {
     return view_ray((pixel + 0.5) * camera.size / vec2<f32>(size));
 }
@@ -46,7 +46,7 @@ fn pixel_ray_steps(size: vec2<u32>) -> mat2x3<f32> {
     return mat2x3(camera.world_from_view[0].xyz * step.x, camera.world_from_view[1].xyz * -step.y);
 }
 
-/// World position [m] of what the centre of a pixel of the full frame sees at that depth.
-fn position_from_depth(pixel: vec2<u32>, depth: f32) -> vec3<f32> {
-    return camera.position + view_ray(vec2<f32>(pixel) + 0.5) * depth;
+/// World position [m] of what the centre of a pixel of a view of `size` pixels sees at that depth.
+fn position_from_depth(pixel: vec2<u32>, size: vec2<u32>, depth: f32) -> vec3<f32> {
+    return camera.position + pixel_ray(vec2<f32>(pixel), size) * depth;
 }

@@ -49,7 +49,7 @@ fn smooth_once(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let normal = textureLoad(view_normal, id.xy, 0).xyz;
-    let position = position_from_depth(id.xy, depth);
+    let position = position_from_depth(id.xy, textureDimensions(view_depth), depth);
     let light = luminance(center.rgb);
     let kernel = array(3.0 / 8.0, 1.0 / 4.0, 1.0 / 16.0);
     let step = i32(1u << settings.level);
@@ -68,7 +68,7 @@ fn smooth_once(@builtin(global_invocation_id) id: vec3<u32>) {
             }
             let tap_normal = textureLoad(view_normal, tap, 0).xyz;
             let tap_color = textureLoad(irradiance, tap, 0);
-            let off_plane = dot(normal, position_from_depth(tap, tap_depth) - position) / depth;
+            let off_plane = dot(normal, position_from_depth(tap, textureDimensions(view_depth), tap_depth) - position) / depth;
             var weight = kernel[abs(x)] * kernel[abs(y)]
                 * edge_weight(length(tap_normal - normal), settings.sigma_normal)
                 * edge_weight(off_plane, settings.sigma_plane);

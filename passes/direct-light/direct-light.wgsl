@@ -51,7 +51,7 @@ fn direct_light(@builtin(global_invocation_id) id: vec3<u32>) {
         textureStore(direct, id.xy, vec4(0.0));
         return;
     }
-    let at = position_from_depth(id.xy, depth);
+    let at = position_from_depth(id.xy, settings.direct_size, depth);
     let normal = textureLoad(view_normal, id.xy, 0).xyz;
     let plane = plane_normal(id.xy, normal);
     let albedo = textureLoad(view_albedo, id.xy, 0).rgb;
@@ -67,7 +67,7 @@ fn direct_light(@builtin(global_invocation_id) id: vec3<u32>) {
         var reflected = albedo / PI;
 #if VIEW_SPECULAR
         let specular = textureLoad(view_specular, id.xy, 0);
-        let towards_camera = -normalize(view_ray(vec2<f32>(id.xy) + 0.5));
+        let towards_camera = -normalize(pixel_ray(vec2<f32>(id.xy), settings.direct_size));
         reflected += ggx(normal, -incident.direction, towards_camera, specular.rgb, specular.a);
 #endif
         radiance += reflected * irradiance * visibility(layer_that_sees(light, at), at, plane);

@@ -13,6 +13,11 @@
 #import "fullscreen.wgsl"
 #endif
 
+struct Settings {
+    view_size: vec2<u32>,
+}
+
+var<uniform> settings: Settings;
 var view_depth: texture_2d<f32>;
 
 /// The position of a pixel's surface in the frame before, minus its position now [px]; `way` is how far the surface itself was
@@ -22,12 +27,13 @@ fn motion(pixel: vec2<u32>, way: vec3<f32>) -> vec2<f32> {
     if depth == 0.0 {
         return vec2(0.0);
     }
-    let clip = camera.previous_clip_from_world * vec4(position_from_depth(pixel, depth) + way, 1.0);
+    let clip = camera.previous_clip_from_world * vec4(position_from_depth(pixel, settings.view_size, depth) + way, 1.0);
+    let size = vec2<f32>(settings.view_size);
     // A point behind the previous camera was nowhere in its frame: the motion is larger than the frame.
     if clip.w <= 0.0 {
-        return 2.0 * camera.size;
+        return 2.0 * size;
     }
-    let before = (clip.xy / clip.w * vec2(0.5, -0.5) + 0.5) * camera.size;
+    let before = (clip.xy / clip.w * vec2(0.5, -0.5) + 0.5) * size;
     return before - (vec2<f32>(pixel) + 0.5);
 }
 

@@ -62,7 +62,7 @@ struct Place {
 fn shown_now(pixel: vec2<u32>) -> Shown {
     let depth = textureLoad(view_depth, pixel, 0).x;
     let normal = plane_normal(pixel, textureLoad(view_normal, pixel, 0).xyz);
-    return Shown(position_from_depth(pixel, depth), depth, normal);
+    return Shown(position_from_depth(pixel, settings.view_size, depth), depth, normal);
 }
 
 #if PAST
@@ -106,9 +106,10 @@ fn motion_of(pixel: vec2<i32>) -> vec2<f32> {
     } else {
         // What is seen is as far away as can be.
         let at = vec2<f32>(pixel) + 0.5;
-        let clip = camera.previous_clip_from_world * vec4(view_ray(at), 0.0);
-        let before = (clip.xy / clip.w * vec2(0.5, -0.5) + 0.5) * camera.size;
-        motion = select(before - at, 2.0 * camera.size, clip.w <= 0.0);
+        let size = vec2<f32>(settings.view_size);
+        let clip = camera.previous_clip_from_world * vec4(pixel_ray(vec2<f32>(pixel), settings.view_size), 0.0);
+        let before = (clip.xy / clip.w * vec2(0.5, -0.5) + 0.5) * size;
+        motion = select(before - at, 2.0 * size, clip.w <= 0.0);
     }
     return select(motion, vec2(0.0), all(abs(motion) < vec2(ROUNDING)));
 }

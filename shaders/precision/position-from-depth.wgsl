@@ -24,5 +24,5 @@ fn given(magnitude: f32, u: vec4<f32>) -> Given {
 /// [magnitude: 1e-2 to 1e6, depth [m]]
 /// [compared: vector]
 fn probe(given: Given) -> vec4<f32> {
-    return vec4(position_from_depth(given.pixel, given.depth), 0.0);
+    return vec4(position_from_depth(given.pixel, vec2<u32>(given.camera.size), given.depth), 0.0);
 }

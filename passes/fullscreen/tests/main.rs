@@ -66,7 +66,7 @@ fn a_link_fills_the_globals_that_begin_with_its_name() {
         @fragment fn edges(@builtin(position) at: vec4<f32>) -> Result {
             let pixel = vec2<u32>(at.xy);
             let depth = textureLoad(view_depth, pixel, 0).x + textureLoad(view_normal, pixel, 0).x + weights[0];
-            return Result(depth + textureLoad(view, pixel, 0).x, position_from_depth(pixel, depth).xy);
+            return Result(depth + textureLoad(view, pixel, 0).x, position_from_depth(pixel, textureDimensions(view), depth).xy);
         }";
     let case = shader_use(wgsl, &["view"]);
     let ports = case.ports(&[]).unwrap();
