@@ -56,7 +56,8 @@ fn subset(s: u32, subsets: u32, count: u32) -> Subset {
 ///     ((view.width + irradiance.interleave_x - 1) / irradiance.interleave_x + SQUARE - 1) / SQUARE * GROUP_SIDE,
 ///     ((view.height + irradiance.interleave_y - 1) / irradiance.interleave_y + SQUARE - 1) / SQUARE * GROUP_SIDE
 ///         * irradiance.interleave_x * irradiance.interleave_y, 1),
-/// items: 1 + lights.count / (min(settings.interleave_x, view.width) * min(settings.interleave_y, view.height)),
+/// items: 1 + lights.count / (min(settings.interleave_x * view.supersampling, view.width)
+///     * min(settings.interleave_y * view.supersampling, view.height)),
 /// iterations: 1 + SPAN * SPAN * (2 + visibility.iterations)]
 @compute @workgroup_size(GROUP_SIDE, GROUP_SIDE)
 fn gather(
@@ -135,7 +136,8 @@ var<workgroup> of_subsets: array<Sum, TILE>;
 /// [threads: (
 ///     (view.width + GROUP_SIDE - 1) / GROUP_SIDE * GROUP_SIDE,
 ///     (view.height + GROUP_SIDE - 1) / GROUP_SIDE * GROUP_SIDE, 1),
-/// repeat: min(settings.complete_below, irradiance.interleave_x * irradiance.interleave_y - 1, 1),
+/// repeat: min(settings.complete_below / (view.supersampling * view.supersampling),
+///     irradiance.interleave_x * irradiance.interleave_y - 1, 1),
 /// items: 1 + lights.count, iterations: 2 + visibility.iterations]
 @compute @workgroup_size(GROUP_SIDE, GROUP_SIDE)
 fn complete(
@@ -191,7 +193,9 @@ fn is_alone(pixel: vec2<u32>, interleave: vec2<u32>) -> bool {
     }
     let depth = textureLoad(view_depth, pixel, 0).x;
     let around = surface_around(pixel, settings.view_size, depth, place.normal);
-    return alike_in_window(around, settings.view_size, interleave) < settings.complete_below;
+    let alike = alike_in_window(around, settings.view_size, interleave);
+    // The noise of a sample is divided by their number in the pixel.
+    return alike * settings.view_supersampling * settings.view_supersampling < settings.complete_below;
 }
 
 /// The terms of a light at a pixel, without its visibility.

@@ -8,8 +8,8 @@
 #input lights: VirtualLights // The lights; those with `lobes` are glossy.
 #input visibility: Visibility optional // The visibility of the lights; without it, all are visible.
 #output irradiance: Irradiance(
-    interleave_x: min(settings.interleave_x, view.width),
-    interleave_y: min(settings.interleave_y, view.height),
+    interleave_x: min(settings.interleave_x * view.supersampling, view.width),
+    interleave_y: min(settings.interleave_y * view.supersampling, view.height),
     clamp: settings.clamp,
 ) // Irradiance, with noise if interleaved.
 #output reflected: Radiance // What is reflected specularly, with noise if interleaved.
@@ -24,6 +24,7 @@
 
 struct Settings {
     view_size: vec2<u32>,
+    view_supersampling: u32,
     /// Number of sub-images along a row, at most one per pixel: each pixel takes one of interleave_x · interleave_y subsets of the
     /// lights. More: less time, but more noise for a filter to remove. [default: 4, min: 1, max: 16]
     interleave_x: u32,
@@ -51,7 +52,8 @@ struct Settings {
     /// light as a dot, or not. Less with more lights. [default: 1.0, min: 0.0, max: 100.0]
     widening: f32,
     /// The pixels of one surface in the window of the interleaving below which a pixel takes all lights, itself counted: at edges and on
-    /// thin objects, where filters cannot find the subsets that it lacks. 0 or 1: none does. More: less noise there, and more time.
+    /// thin objects, where filters cannot find the subsets that it lacks. Several samples of one pixel count as one. 0 or 1: none
+    /// does. More: less noise there, and more time.
     /// [default: 3, min: 0, max: 256]
     complete_below: u32,
     irradiance_interleave_x: u32,

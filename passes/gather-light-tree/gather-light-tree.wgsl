@@ -11,8 +11,8 @@
 #input tree: LightTree // A tree over these lights.
 #input visibility: Visibility optional // The visibility of the lights; without it, all are visible.
 #output irradiance: Irradiance(
-    interleave_x: min(settings.interleave_x, view.width),
-    interleave_y: min(settings.interleave_y, view.height),
+    interleave_x: min(settings.interleave_x * view.supersampling, view.width),
+    interleave_y: min(settings.interleave_y * view.supersampling, view.height),
     clamp: settings.clamp,
     area_bound: settings.area_bound when settings.geometry == 'bounded',
 ) // Diffuse irradiance, with noise.

@@ -6,8 +6,8 @@
 #input lights: VirtualLights // The lights.
 #input visibility: Visibility optional // The visibility of the lights; without it, all are visible.
 #output irradiance: Irradiance(
-    interleave_x: min(settings.interleave_x, view.width),
-    interleave_y: min(settings.interleave_y, view.height),
+    interleave_x: min(settings.interleave_x * view.supersampling, view.width),
+    interleave_y: min(settings.interleave_y * view.supersampling, view.height),
     clamp: settings.clamp,
     area_bound: settings.area_bound when settings.geometry == 'bounded',
 ) // Diffuse irradiance, with noise if interleaved.
@@ -18,6 +18,7 @@
 
 struct Settings {
     view_size: vec2<u32>,
+    view_supersampling: u32,
     /// Number of sub-images along a row, at most one per pixel. Each pixel takes one of interleave_x · interleave_y subsets of
     /// the lights. More: less time, but more noise for a filter to remove. With 1 × 1 each pixel takes all lights. ISM Tab. 1
     /// uses 4 and 8. [default: 4, min: 1, max: 16]
@@ -38,7 +39,8 @@ struct Settings {
     /// 100.0]
     area_bound: f32,
     /// The pixels of one surface in the window of the interleaving below which a pixel takes all lights, itself counted: at edges and on
-    /// thin objects, where filters cannot find the subsets that it lacks. 0 or 1: none does. More: less noise there, and more time.
+    /// thin objects, where filters cannot find the subsets that it lacks. Several samples of one pixel count as one. 0 or 1: none
+    /// does. More: less noise there, and more time.
     /// [default: 3, min: 0, max: 256]
     complete_below: u32,
     irradiance_interleave_x: u32,

@@ -1,7 +1,7 @@
 // Renders what the camera sees: depth, normal and material at each pixel.
 
-#output view: GBuffer // What the camera sees.
-#exact pixels: reference(filter: 'centre') // The mean over each pixel, in place of what its centre sees.
+#output view: GBuffer(size: frame * supersampling) // What the camera sees.
+#exact pixels: reference(filter: 'centre', supersampling: supersampling) // The mean over each pixel.
 
 #option NORMALS half one_of [half, full] // The format of normals. half: 8 bytes, to a thousandth. full: 16 bytes, to ten
     // millionths; a glossy scene is drawn once more.
@@ -12,6 +12,15 @@
 #import "camera.wgsl"
 #import "octahedron.wgsl"
 #import "surface-fragment.wgsl"
+
+struct Settings {
+    view_size: vec2<u32>,
+    /// Samples of each pixel along either side, in a grid: the G-buffer has so many times as many rows and columns as the
+    /// frame. Larger: smoother edges; time and memory grow with its square. [default: 1, one_of: [1, 2, 3, 4]]
+    supersampling: u32,
+}
+
+var<uniform> settings: Settings;
 
 struct Seen {
     @builtin(position) @invariant clip: vec4<f32>,
@@ -88,7 +97,7 @@ fn view_emission(seen: Seen) -> @location(0) vec4<f32> {
 /// meet it.
 fn depth_at_centre(seen: Seen, change: Change, normal: vec3<f32>) -> f32 {
     let backward = camera.world_from_view[2].xyz;
-    let ray = view_ray(seen.clip.xy);
+    let ray = pixel_ray(seen.clip.xy - 0.5, settings.view_size);
     let depth = -dot(seen.offset, backward);
     let correction = dot(seen.offset - ray * depth, normal) / dot(ray, normal);
     // The coarsest grid that Vulkan allows is a sixteenth of a pixel. A plane seen on edge has no depth of its own.

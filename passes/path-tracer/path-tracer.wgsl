@@ -56,6 +56,9 @@ struct Settings {
     /// The value of a pixel. box: the mean over its square. centre: what its centre sees, as in a G-buffer. [default:
     /// "box", one_of: ["box", "centre"]]
     filter_: u32,
+    /// Points in a pixel along either side, with the filter `centre`: a grid, as of the supersampling of a G-buffer. [default: 1,
+    /// min: 1, max: 16]
+    supersampling: u32,
     /// 1 if direct and emitted light are needed.
     direct: u32,
 }
@@ -148,9 +151,10 @@ fn moved(past: vec4<f32>, frame: vec4<f32>, share: f32) -> vec4<f32> {
 
 fn path(pixel: vec2<u32>, index: u32, pixel_seed: u32) -> Sample {
     var sample: Sample;
-    var within = vec2(0.5);
-    if settings.filter_ == BOX {
-        within = sobol2_of(index, hash2(pixel_seed, PIXEL));
+    var within = sobol2_of(index, hash2(pixel_seed, PIXEL));
+    if settings.filter_ != BOX {
+        let side = f32(settings.supersampling);
+        within = (floor(within * side) + 0.5) / side;
     }
     var origin = camera.position;
     var direction = view_ray(vec2<f32>(pixel) + within);

@@ -7,7 +7,7 @@
 #input clusters: Clusters // The clusters, averaged: where their centres are.
 #input rsm: ReflectiveShadowMap // The map that was clustered; its positions are the shadow maps.
 #input view: GBuffer // The surfaces to show them on.
-#output display: Display(size: like(view)) // The cells in colors.
+#output display: Display(size: like(view) / view.supersampling) // The cells in colors.
 
 #import "camera.wgsl"
 #import "clustering.wgsl"
@@ -17,6 +17,8 @@
 
 struct Settings {
     view_size: vec2<u32>,
+    view_supersampling: u32,
+    display_size: vec2<u32>,
     /// Radius of the dot at the centre of a cell; 0 draws none. [default: 3.0, min: 0.0, max: 100.0, unit: "px"]
     dot: f32,
 }
@@ -117,32 +119,38 @@ fn is_in_dot(index: u32, at: vec3<f32>, depth: f32) -> bool {
     let size = textureDimensions(rsm_position);
     let place = vec2(texel % size.x, texel / size.x % size.y);
     let centre = textureLoad(rsm_position, place, texel / (size.x * size.y), 0).xyz;
-    let pixel = 2.0 * camera.half_extent.y * depth / f32(settings.view_size.y);
+    let pixel = 2.0 * camera.half_extent.y * depth / f32(settings.display_size.y);
     return distance(at, centre) < settings.dot * pixel;
+}
+
+/// The color of what a sample of the view sees.
+fn color_at(sample: vec2<u32>) -> vec3<f32> {
+    let depth = textureLoad(view_depth, sample, 0).x;
+    if depth <= 0.0 {
+        return vec3(0.0);
+    }
+    let at = camera.position + pixel_ray(vec2<f32>(sample), settings.view_size) * depth;
+    let place = place_of(at, direction_of(textureLoad(view_normal, sample, 0).xyz));
+    if !place.is_inside {
+        return OUTSIDE;
+    }
+    let index = textureLoad(map, place.texel, place.layer, 0).x;
+    var color = UNMAPPED;
+    if index != NO_CLUSTER {
+        color = select(color_of(index), DOT, is_in_dot(index, at, depth));
+    }
+    return color * select(IN_SHADOW, 1.0, place.is_lit);
 }
 
 @compute @workgroup_size(8, 8)
 fn show(@builtin(global_invocation_id) id: vec3<u32>) {
-    if any(id.xy >= settings.view_size) {
+    if any(id.xy >= settings.display_size) {
         return;
     }
-    let depth = textureLoad(view_depth, id.xy, 0).x;
+    let side = settings.view_supersampling;
     var color = vec3(0.0);
-    if depth > 0.0 {
-        let at = camera.position + pixel_ray(vec2<f32>(id.xy), settings.view_size) * depth;
-        let place = place_of(at, direction_of(textureLoad(view_normal, id.xy, 0).xyz));
-        color = OUTSIDE;
-        if place.is_inside {
-            let index = textureLoad(map, place.texel, place.layer, 0).x;
-            color = UNMAPPED;
-            if index != NO_CLUSTER {
-                color = color_of(index);
-                if is_in_dot(index, at, depth) {
-                    color = DOT;
-                }
-            }
-            color *= select(IN_SHADOW, 1.0, place.is_lit);
-        }
+    for (var i = 0u; i < side * side; i++) {
+        color += color_at(id.xy * side + vec2(i % side, i / side));
     }
-    textureStore(display, id.xy, vec4(color, 1.0));
+    textureStore(display, id.xy, vec4(color / f32(side * side), 1.0));
 }

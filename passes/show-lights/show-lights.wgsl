@@ -5,7 +5,7 @@
 #input lights: VirtualLights // The lights, whose places get a dot each.
 #input view: GBuffer // The surfaces to show them on.
 #input irradiance: Irradiance optional // The irradiance shown under the dots in false colors; else gray.
-#output display: Display(size: like(view)) // Dots over false colors.
+#output display: Display(size: like(view) / view.supersampling) // Dots over false colors.
 
 #option IRRADIANCE false // whether there is light to show under the dots
 
@@ -16,6 +16,8 @@
 
 struct Settings {
     view_size: vec2<u32>,
+    view_supersampling: u32,
+    display_size: vec2<u32>,
     /// Radius of a dot. More: lights are easier to see, and hide more of each other. [default: 1.5, min: 0.5, max: 16.0, unit: "px"]
     dot: f32,
     /// Luminance of the irradiance in the middle of the scale of colors. [default: 0.2, min: 1e-12, max: 1e12, unit: "W/m²"]
@@ -28,7 +30,8 @@ var view_depth: texture_2d<f32>;
 var irradiance: texture_2d<f32>;
 #endif
 var<storage, read> lights: VirtualLights;
-/// The least index of the lights whose places fall into a pixel. [scratch, count: view.width * view.height]
+/// The least index of the lights whose places fall into a pixel. [scratch,
+/// count: (view.width / view.supersampling) * (view.height / view.supersampling)]
 var<storage, read_write> nearest: array<atomic<u32>>;
 var display: texture_storage_2d<rgba8unorm, write>;
 
@@ -38,7 +41,7 @@ const NO_LIGHT: u32 = 0xffffffffu;
 const BRIGHT: vec3<f32> = vec3(1.0);
 const DARK: vec3<f32> = vec3(0.0);
 
-/// [threads: view.width * view.height]
+/// [threads: display.width * display.height]
 @compute @workgroup_size(64)
 fn clear(row: Row) {
     let pixel = index_in(row, 64u);
@@ -59,30 +62,25 @@ fn place(row: Row) {
     if !(clip.w > 0.0 && all(abs(clip.xy) < vec2(clip.w))) {
         return;
     }
-    let at = (clip.xy / clip.w * vec2(0.5, -0.5) + 0.5) * vec2<f32>(settings.view_size);
-    let pixel = min(vec2<u32>(at), settings.view_size - 1u);
-    atomicMin(&nearest[pixel.y * settings.view_size.x + pixel.x], index);
+    let at = (clip.xy / clip.w * vec2(0.5, -0.5) + 0.5) * vec2<f32>(settings.display_size);
+    let pixel = min(vec2<u32>(at), settings.display_size - 1u);
+    atomicMin(&nearest[pixel.y * settings.display_size.x + pixel.x], index);
 }
 
-/// Position of what a pixel sees [m].
-fn seen_at(pixel: vec2<u32>, depth: f32) -> vec3<f32> {
-    return camera.position + pixel_ray(vec2<f32>(pixel), settings.view_size) * depth;
-}
-
-/// The color of the dot that covers what a pixel sees; negative where none does. Of several, the one whose light is nearest.
-fn dot_over(pixel: vec2<u32>, depth: f32) -> vec3<f32> {
-    let at = seen_at(pixel, depth);
+/// The color of the dot that covers `at` [m], which a pixel sees at this depth; negative where none does. Of several, the one whose light
+/// is nearest.
+fn dot_over(pixel: vec2<u32>, at: vec3<f32>, depth: f32) -> vec3<f32> {
     // The dot is a disc on the surface, so lights that something hides have none.
-    var farthest = settings.dot * 2.0 * camera.half_extent.y * depth / f32(settings.view_size.y);
+    var farthest = settings.dot * 2.0 * camera.half_extent.y * depth / f32(settings.display_size.y);
     var color = vec3(-1.0);
     let reach = i32(ceil(settings.dot)) + 1;
     for (var y = -reach; y <= reach; y++) {
         for (var x = -reach; x <= reach; x++) {
             let other = vec2<i32>(pixel) + vec2(x, y);
-            if any(other < vec2(0)) || any(vec2<u32>(other) >= settings.view_size) {
+            if any(other < vec2(0)) || any(vec2<u32>(other) >= settings.display_size) {
                 continue;
             }
-            let index = atomicLoad(&nearest[u32(other.y) * settings.view_size.x + u32(other.x)]);
+            let index = atomicLoad(&nearest[u32(other.y) * settings.display_size.x + u32(other.x)]);
             if index == NO_LIGHT {
                 continue;
             }
@@ -103,18 +101,21 @@ fn false_color(scale: f32) -> vec3<f32> {
 
 @compute @workgroup_size(8, 8)
 fn show(@builtin(global_invocation_id) id: vec3<u32>) {
-    if any(id.xy >= settings.view_size) {
+    if any(id.xy >= settings.display_size) {
         return;
     }
-    let depth = textureLoad(view_depth, id.xy, 0).x;
+    // Of a view with more samples, one for each pixel.
+    let sample = id.xy * settings.view_supersampling;
+    let depth = textureLoad(view_depth, sample, 0).x;
     var color = vec3(0.0);
     if depth > 0.0 {
         color = vec3(0.2);
 #if IRRADIANCE
-        let light = luminance(textureLoad(irradiance, id.xy, 0).rgb);
+        let light = luminance(textureLoad(irradiance, sample, 0).rgb);
         color = false_color(light / (light + settings.middle));
 #endif
-        let over = dot_over(id.xy, depth);
+        let at = camera.position + pixel_ray(vec2<f32>(sample), settings.view_size) * depth;
+        let over = dot_over(id.xy, at, depth);
         color = select(over, color, over.x < 0.0);
     }
     textureStore(display, id.xy, vec4(color, 1.0));

@@ -65,6 +65,23 @@ impl Image {
         Self::new(width, height, pixels.collect())
     }
 
+    /// Returns the means over squares of `side` × `side` pixels: the picture of which this one has so many samples a pixel. Pixels that fill
+    /// no square are left out.
+    ///
+    /// # Errors
+    /// [`ImageError::PixelCount`] if there is no square, or `side` is 0.
+    pub fn mean_of_squares(&self, side: usize) -> Result<Self, ImageError> {
+        let of = |x: usize, y: usize| {
+            let samples = (0..side * side)
+                .map(|s| self.pixels[(y * side + s / side) * self.width + x * side + s % side]);
+            let sum =
+                samples.fold([0.0; 4], |sum: [f32; 4], pixel| std::array::from_fn(|c| sum[c] + pixel[c]));
+            sum.map(|channel| channel / (side * side) as f32)
+        };
+        let sides = |length: usize| length.checked_div(side).unwrap_or(0);
+        Self::from_fn(sides(self.width), sides(self.height), of)
+    }
+
     /// Returns the width in pixels, at least 1.
     pub fn width(&self) -> usize {
         self.width

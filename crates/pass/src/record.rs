@@ -53,6 +53,11 @@ pub struct PortDesc {
     pub past: bool,
 }
 
+/// Returns how many texels of a row of a texture lie in a pixel of the frame: 1, or more in a supersampled view.
+pub(crate) fn supersampling(texture: &TextureDesc<(u32, u32)>, frame: (u32, u32)) -> u32 {
+    (texture.size.0 / frame.0.max(1)).max(1)
+}
+
 impl<'a> RecordContext<'a> {
     /// Returns a port by name: inputs, outputs and scratch have distinct names.
     pub fn port(&self, name: &str) -> Option<&'a PortDesc> {
@@ -204,12 +209,13 @@ pub const LARGEST_WINDOW: u64 = 128 << 20;
 ///
 /// The uniform `settings` of its shader is filled member by member, from the first of these that has the
 /// name: `values` of the step; the settings of the pass; `seed` (u32, a hash of the run's seed and the pass's
-/// name); `PORT_size` (`vec2<u32>`, texels of the port's first texture), `PORT_layers`, `PORT_FACT` for each
+/// name); `PORT_size` (`vec2<u32>`, texels of the port's first texture), `PORT_layers`,
+/// `PORT_supersampling` (texels of a row of it in a pixel of the frame, at least 1), `PORT_FACT` for each
 /// fact, which is 0 where it is optional and left out; and for an input that is a history buffer `PORT_age` (frames, 0 where there is no history) and `PORT_reset`.
 /// A member that is a struct is filled member by member, with values named `MEMBER.NAME`.
 ///
-/// A uniform `PORT_facts`, which a module declares, is filled from the input of that name alone: its facts, `size`
-/// and `layers` of its first texture, `age` and `reset` where it is a history buffer, and the pass's `seed`. Members of a
+/// A uniform `PORT_facts`, which a module declares, is filled from the input of that name alone: its facts, `size`,
+/// `layers` and `supersampling` of its first texture, `age` and `reset` where it is a history buffer, and the pass's `seed`. Members of a
 /// struct within it are named as its own.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Step {

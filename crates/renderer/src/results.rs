@@ -8,12 +8,19 @@ use frame_graph::{CompileOptions, Name, Value};
 use metrics::{Display, Image, Tonemap};
 
 impl Renderer {
-    /// Returns an output of the pipeline as a picture: the first layer of its first texture.
+    /// Returns an output of the pipeline as a picture: the first layer of its first texture. Of light at several samples of each pixel, it
+    /// is their mean.
     ///
     /// # Errors
     /// There is no such output, it is no picture, or the device is gone.
     pub fn output(&self, name: &str) -> Result<Image, RenderError> {
-        self.resource_picture(self.find_output(name)?, 0)
+        let picture = self.resource_picture(self.find_output(name)?, 0)?;
+        let is_light = matches!(self.planned_output(name)?.interface.as_str(), "Irradiance" | "Radiance");
+        let (width, height) = (self.size.0 as usize, self.size.1 as usize);
+        let side = picture.width() / width.max(1);
+        let is_sampled = side > 1 && (picture.width(), picture.height()) == (side * width, side * height);
+        let mean = (is_light && is_sampled).then(|| picture.mean_of_squares(side).ok()).flatten();
+        Ok(mean.unwrap_or(picture))
     }
 
     /// Returns a picture by name: an output of the pipeline, or any resource as [`Renderer::keep`] takes it. A resource

@@ -10,6 +10,6 @@ fn record(cx: &RecordContext<'_>) -> Result<Recording, PassTypeError> {
     if !cx.connected("display") {
         return Ok(recording);
     }
-    let show = Compute::per_texel(cx.file("display.wgsl"), "show", cx.size("view"));
+    let show = Compute::per_texel(cx.file("display.wgsl"), "show", cx.size("image"));
     Ok(recording.then(show.bind("radiance", "image")))
 }

@@ -355,6 +355,29 @@ fn pixels_without_enough_of_their_surface_around_them_take_all_lights() {
     }
 }
 
+/// As many lights as one of one sample: each of its samples takes a part of them.
+#[test]
+fn a_pixel_of_several_samples_takes_as_many_lights() {
+    let view = View { width: 24, height: 12, fov: 0.8 };
+    let lights = lights(130);
+    for side in [2, 3] {
+        let run = |(n, m): (u32, u32), below: u32, frame: u32| {
+            let harness = view.over(&lights, depth_of_steps).frame(view.width / frame, view.height / frame);
+            let harness = harness.set("interleave_x", n).set("interleave_y", m).set("complete_below", below);
+            Some(read(&harness.run()?))
+        };
+        // Below the third part of a sample none is alone; below three of a pixel's samples, those are without two others.
+        for (below, of_samples) in [(3, 0), (3 * side * side, 3)] {
+            let (Some(samples), Some(pixels)) =
+                (run((2, 1), below, side), run((2 * side, side), of_samples, 1))
+            else {
+                return;
+            };
+            assert!(samples == pixels, "{side}² samples, below {below}");
+        }
+    }
+}
+
 /// More lights than one dispatch may take: drivers end loops that go on for too long.
 #[test]
 fn many_lights_take_several_dispatches() {

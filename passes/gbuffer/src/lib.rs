@@ -13,7 +13,8 @@ fn has_full_normals(settings: &Settings) -> Result<bool, PassTypeError> {
 
 fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
     let mut outputs = cx.declared()?;
-    let texture = |format| ResourceDesc::texture_2d(format, Extent::FRAME);
+    let size = Extent::Frame { num: cx.settings.u32("supersampling")?, den: 1 };
+    let texture = |format| ResourceDesc::texture_2d(format, size.clone());
     if has_full_normals(cx.settings)? {
         let members = outputs.iter_mut().flat_map(|output| &mut output.members);
         for (_, normal, _) in members.filter(|(member, ..)| member == "normal") {

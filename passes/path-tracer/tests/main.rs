@@ -151,6 +151,27 @@ fn irradiance_of_floor(away: f32, clamp: f32) -> Option<[(f64, f64); 2]> {
     Some([spread(irradiance.iter().map(|p| p[0])), spread(irradiance.iter().map(|p| p[3]))])
 }
 
+/// The centre of a pixel, or a grid of points in it, as the pixels of larger frames.
+#[test]
+fn the_points_of_a_pixel_are_the_centres_of_a_larger_frame() {
+    let direct = |side: u32, supersampling: u32| {
+        let harness = Harness::new(path_tracer::PASS).scene("cornell-box").frame(side, side);
+        let harness = harness.set("filter", "centre").set("supersampling", supersampling);
+        let outputs = harness.set("bounces", 0u32).set("samples_per_frame", 64u32).run()?;
+        Some(pixels(&outputs, "direct"))
+    };
+    for side in [1, 2, 4] {
+        let (Some(found), Some(large)) = (direct(12, side), direct(12 * side, 1)) else { return };
+        for (i, pixel) in found.iter().enumerate() {
+            let (x, y) = (i as u32 % 12 * side, i as u32 / 12 * side);
+            let points =
+                (0..side * side).map(|p| large[((y + p / side) * 12 * side + x + p % side) as usize][0]);
+            let expected = points.sum::<f32>() / (side * side) as f32;
+            assert!((pixel[0] - expected).abs() <= 1e-4 * expected, "{side}² points at {i}: {pixel:?}");
+        }
+    }
+}
+
 #[test]
 fn a_floor_sees_a_wall_by_its_form_factor() {
     // Radiosity of the wall: 2 W/m² · 0.6.

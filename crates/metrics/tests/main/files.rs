@@ -150,3 +150,17 @@ fn others_may_read_a_picture_as_the_umask_allows() {
     let mode = |path| fs::metadata(path).unwrap().permissions().mode();
     assert_eq!(mode(&picture_path), mode(&plain));
 }
+
+#[test]
+fn squares_have_their_mean() {
+    let fine = Image::from_fn(7, 4, |x, y| [x as f32, y as f32, (x * y) as f32, 1.0]).unwrap();
+    let pixels = fine.mean_of_squares(2).unwrap();
+    assert_eq!((pixels.width(), pixels.height()), (3, 2));
+    // The mean of a product is that of its factors', as they vary in different directions.
+    let expected = |i: usize| {
+        let (x, y) = ((i % 3 * 2) as f32 + 0.5, (i / 3 * 2) as f32 + 0.5);
+        [x, y, x * y, 1.0]
+    };
+    assert!(pixels.pixels().iter().enumerate().all(|(i, pixel)| *pixel == expected(i)), "{pixels:?}");
+    assert!(fine.mean_of_squares(0).is_err() && fine.mean_of_squares(5).is_err());
+}

@@ -2,7 +2,7 @@
 
 use super::StepLinker;
 use crate::codes;
-use crate::record::PortDesc;
+use crate::record::{PortDesc, supersampling};
 use frame_graph::plan::HistoryId;
 use frame_graph::{Diagnostic, Diagnostics, FactDecl, Setting, Value, ValueType, nearest};
 use shader_library::{GlobalKind, MemberLayout, Request, Shader, StructLayout};
@@ -105,12 +105,13 @@ struct Known<'a> {
 }
 
 impl Known<'_> {
-    /// Adds what is known of a port under these names: size and layers of its first texture, and its facts.
-    fn add_port(&mut self, prefix: &str, port: &PortDesc) {
+    /// Adds what is known of a port under these names: size, layers and supersampling of its first texture, and its facts.
+    fn add_port(&mut self, prefix: &str, port: &PortDesc, frame: (u32, u32)) {
         if let Some(texture) = port.members.iter().find_map(|(_, desc)| desc.texture()) {
             let size = Value::Vector(vec![texture.size.0 as f32, texture.size.1 as f32]);
             self.values.insert(format!("{prefix}size"), size);
             self.values.insert(format!("{prefix}layers"), Value::U32(texture.layers));
+            self.values.insert(format!("{prefix}supersampling"), Value::U32(supersampling(texture, frame)));
         }
         let of_module = port.facts.module().into_iter().flat_map(|module| &module.facts);
         let of_module = of_module.map(|(fact, value)| (fact.as_str(), value));
@@ -158,7 +159,7 @@ impl StepLinker<'_> {
         let mut known = Known::default();
         for port in self.inputs.iter().chain(self.outputs) {
             let prefix = format!("{}_", port.name);
-            known.add_port(&prefix, port);
+            known.add_port(&prefix, port, self.plan.frame);
             let interface = self.interfaces.iter().find(|known| known.name == port.interface);
             known.add_absent(&prefix, interface.map_or(&[], |interface| interface.facts));
         }
@@ -190,7 +191,7 @@ impl StepLinker<'_> {
         port: &PortDesc,
     ) -> Result<UniformFill, Diagnostics> {
         let mut known = Known::default();
-        known.add_port("", port);
+        known.add_port("", port, self.plan.frame);
         let input = self.planned.inputs.iter().find(|input| input.port == port.name);
         known.add_past("", input.and_then(|input| input.history.as_ref()));
         let module = port.facts.module().map_or_else(|| self.file(request), |module| module.path.as_str());

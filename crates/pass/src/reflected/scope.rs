@@ -2,6 +2,7 @@
 
 use super::instead;
 use super::outputs::ITERATIONS;
+use crate::record::supersampling;
 use crate::{Facts, OutputContext, PassTypeError, PortDesc, RecordContext, Settings, Traits, Value};
 use frame_graph::{Formula, NameError, TextureDesc};
 use std::cell::RefCell;
@@ -173,11 +174,12 @@ impl<'a> Scope<'a> {
                     "width" => Some(texture.size.0),
                     "height" => Some(texture.size.1),
                     "layers" => Some(texture.layers),
+                    "supersampling" => self.frame.map(|frame| supersampling(texture, frame)),
                     _ => None,
                 });
                 size.map(Value::U32).or_else(|| facts.get(member).cloned()).ok_or_else(|| {
                     absent.replace(Some((port.to_owned(), member.to_owned())));
-                    let sizes = texture.iter().flat_map(|_| ["width", "height", "layers"]);
+                    let sizes = texture.iter().flat_map(|_| ["width", "height", "layers", "supersampling"]);
                     let names = facts.iter().map(|(name, _)| name).chain(sizes).collect();
                     among(format!("`{port}` has neither a fact nor a size `{member}`"), member, names)
                 })

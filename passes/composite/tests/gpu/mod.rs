@@ -4,8 +4,8 @@ use crate::cpu_reference::{Rgb, composite, displayed};
 use pass::{Format, ResourceDesc};
 use pass_test::{Harness, Member, halves, member};
 
-const WIDTH: u32 = 13;
-const HEIGHT: u32 = 9;
+const WIDTH: u32 = 12;
+const HEIGHT: u32 = 8;
 const PIXELS: usize = (WIDTH * HEIGHT) as usize;
 
 /// Light over many magnitudes, the same in every run; the last pixels are the extremes.
@@ -70,6 +70,50 @@ fn light_is_added_as_the_cpu_reference_adds_it() {
 }
 
 #[test]
+fn a_pixel_is_the_mean_of_its_samples() {
+    let (direct, irradiance, glossy, emission) = (light(1), light(2), light(3), light(4));
+    let albedo = vec![[0.25, 0.5, 0.75]; PIXELS];
+    for side in [2, 4] {
+        let outputs = Harness::new(composite::PASS)
+            .frame(WIDTH / side, HEIGHT / side)
+            .input("view", "GBuffer", &[], view(&albedo, &emission))
+            .input("direct", "Radiance", &[], radiance(&direct))
+            .input("indirect", "Irradiance", &[], radiance(&irradiance))
+            .input("glossy", "Radiance", &[], radiance(&glossy))
+            .run();
+        let Some(outputs) = outputs else { return };
+        let black = [0.0; 3];
+        let found =
+            ["image", "direct_radiance", "indirect_radiance"].map(|name| outputs.read::<[f32; 4]>(name));
+        for pixel in 0..PIXELS / (side * side) as usize {
+            let (x, y) = (pixel as u32 % (WIDTH / side), pixel as u32 / (WIDTH / side));
+            let samples = (0..side * side).map(|s| (y * side + s / side) * WIDTH + x * side + s % side);
+            let mean = |sample: &dyn Fn(usize) -> Rgb| {
+                samples.clone().fold(black, |sum, s| {
+                    let of_sample = sample(s as usize);
+                    std::array::from_fn(|k| sum[k] + of_sample[k] / f64::from(side * side))
+                })
+            };
+            let expected = [
+                mean(&|i| composite(direct[i], albedo[i], irradiance[i], glossy[i], emission[i])),
+                mean(&|i| direct[i]),
+                mean(&|i| composite(black, albedo[i], irradiance[i], glossy[i], black)),
+            ];
+            for (found, expected) in found.iter().zip(expected) {
+                for (found, expected) in found[pixel].iter().zip(expected) {
+                    let near = (f64::from(*found) - expected).abs() <= 1e-5 * expected;
+                    assert!(near, "{side}² samples at {pixel}: {found} for {expected}");
+                }
+            }
+            // The first sample sees nothing.
+            let seen = if pixel == 0 { 1.0 - 1.0 / (side * side) as f32 } else { 1.0 };
+            assert!(found.iter().all(|found| (found[pixel][3] - seen).abs() < 1e-6));
+        }
+        assert_eq!(outputs.read::<[u8; 4]>("display").len(), PIXELS / (side * side) as usize);
+    }
+}
+
+#[test]
 fn every_curve_shows_what_the_cpu_reference_shows() {
     let mut direct = light(5);
     direct[PIXELS - 1] = [0.0, f64::NAN, 0.0];
@@ -105,7 +149,7 @@ fn an_input_of_another_size_is_refused() {
     let harness =
         harness.input("view", "GBuffer", &[], view(&black, &black)).input("direct", "Radiance", &[], small);
     let Some(refusal) = harness.refusal() else { return };
-    assert!(refusal.contains("`direct` is 4×4, but `view` is 13×9"), "{refusal}");
+    assert!(refusal.contains("`direct` is 4×4, but `view` is 12×8"), "{refusal}");
     // Who gave no size, as in `check`, is told which one these follow from.
-    assert!(refusal.contains("of a frame of 13×9 px"), "{refusal}");
+    assert!(refusal.contains("of a frame of 12×8 px"), "{refusal}");
 }

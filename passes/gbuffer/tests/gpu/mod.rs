@@ -219,6 +219,29 @@ fn motion_is_that_of_the_surface_and_of_the_camera() {
     }
 }
 
+/// The samples of a frame are the pixels of a larger one: in motion, and with a sky.
+#[test]
+fn samples_are_the_pixels_of_a_larger_frame() {
+    for (name, members) in [
+        ("cornell-box-moving", &["depth", "normal", "albedo", "motion"][..]),
+        ("atrium-sky", &["depth", "normal", "albedo", "emission"]),
+    ] {
+        let seen = |samples: u32| {
+            let harness = Harness::new(gbuffer::PASS).with_scene(pass_test::scene(name));
+            let harness = harness.frame(2 * WIDTH / samples, 2 * HEIGHT / samples);
+            let harness = harness.set("supersampling", samples).set("motion", members.contains(&"motion"));
+            harness.time(1.0).time_step(0.125).frames(2).run()
+        };
+        let (Some(large), Some(sampled)) = (seen(1), seen(2)) else { return };
+        for member in members {
+            let output = format!("view.{member}");
+            let (large, sampled): (Vec<u8>, Vec<u8>) = (large.read(&output), sampled.read(&output));
+            assert!(large.iter().any(|byte| *byte != 0), "{name}: no {member}");
+            assert!(large == sampled, "{name}: {member} differs");
+        }
+    }
+}
+
 #[test]
 fn an_empty_scene_is_seen_nowhere() {
     let Some(seen) = run(&pass_test::scene("empty")) else { return };
