@@ -26,7 +26,7 @@ fn step(renderer: &Renderer) -> u32 {
 #[test]
 fn the_first_sample_is_the_picture_without_accumulation() {
     let Some(mut mean) = accumulated("frames=4") else { return };
-    let Some(mut single) = renderer("ism-invtm", "cornell-box", SIZE, FEW) else { return };
+    let Some(mut single) = renderer("ism-invtm", "cornell-box", SIZE, &[FEW, &["supersampling=1"]].concat()) else { return };
     mean.frame().unwrap();
     single.frame().unwrap();
     for output in ["direct", "indirect", "image"] {

@@ -163,7 +163,7 @@ const FAULTS: &[Fault] = &[
     ),
     ("image", IMAGE, ".rgb / PI * texture", ".rgb / 3.0 * texture"),
     ("image", IMAGE, ".rgb / PI * texture", ".rrr / PI * texture"),
-    ("image", IMAGE, "textureLoad(indirect, id.xy, 0)", "textureLoad(indirect, id.xy / 4u * 4u, 0)"),
+    ("image", IMAGE, "textureLoad(indirect, sample, 0)", "textureLoad(indirect, sample / 4u * 4u, 0)"),
     ("view", VIEW, "normals.share * at.albedo", "normals.share * sqrt(at.albedo)"),
     ("view", VIEW, "return depth + select(", "return 1.05 * depth + select("),
     (

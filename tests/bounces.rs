@@ -26,7 +26,7 @@ pub(crate) fn path_traced(scene: &str, size: (u32, u32), bounces: u32) -> Option
 fn by_lights(folder: &Folder, pipeline: &str, scene: &str, bounces: u32) -> f64 {
     let bounces = format!("bounces={bounces}");
     let lights = ["lights=512", "second_lights=512", "third_lights=512"];
-    let values = [&lights[..], &["interleave_x=1", "interleave_y=1", &bounces]].concat();
+    let values = [&lights[..], &["interleave_x=1", "interleave_y=1", "supersampling=1", &bounces]].concat();
     let mut renderer =
         renderer_in(folder, pipeline, scene, SIZE, &values).expect("the adapter is still there");
     let of_seed = |seed| {

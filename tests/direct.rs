@@ -32,7 +32,7 @@ fn screened(scene: &mut Scene) {
 
 /// The scene as changed, and the direct light of every pixel.
 fn render(change: impl Fn(&mut Scene), values: &[&str]) -> Option<(Scene, Vec<[f32; 4]>)> {
-    let values = [SMALL, &["rsm.size=512"], values].concat();
+    let values = [SMALL, &["rsm.size=512", "supersampling=1"], values].concat();
     let mut renderer = renderer("ism-uniform", "plane", (WIDTH, HEIGHT), &values)?;
     let mut scene = renderer.scene().clone();
     change(&mut scene);

@@ -54,6 +54,7 @@ mod sources;
 mod still;
 mod stress;
 mod study;
+mod supersampling;
 mod surface_lights;
 mod trace;
 mod truth;

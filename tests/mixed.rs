@@ -6,7 +6,7 @@ use metrics::Image;
 
 /// All lights at each pixel, so that pixels differ by their maps alone.
 const SET: &[&str] =
-    &["lights=64", "rsm.size=64", "map=64", "interleave_x=1", "interleave_y=1"];
+    &["lights=64", "rsm.size=64", "map=64", "interleave_x=1", "interleave_y=1", "supersampling=1"];
 
 fn irradiance(pipeline: &str, values: &[&str]) -> Option<Image> {
     let mut renderer = renderer(pipeline, "blinds", (48, 36), &[SET, values].concat())?;

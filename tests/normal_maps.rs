@@ -61,8 +61,8 @@ fn halves(pipeline: &str, scene: &Scene, output: &str, values: &[&str], seeds: u
 fn light_leaves_to_where_bent_normals_face() {
     let (floor, _) = rooms::bent_plane(60.0);
     let scene = between_walls(&floor, [0.0, -1.0, 0.0]);
-    let few = ["rsm.size=128", "lights=1024"];
-    let photons = ("instant-radiosity", &["lights=2048"][..]);
+    let few = ["rsm.size=128", "lights=1024", "supersampling=1"];
+    let photons = ("instant-radiosity", &["lights=2048", "supersampling=1"][..]);
     let of_one_bounce = vec![("ism-invtm-ray-traced", &few[..]), ("reflective-shadow-maps", &few[..1]), photons];
     for (bounces, pipelines) in [("1", of_one_bounce), ("3", vec![photons])] {
         let count = format!("bounces={bounces}");
@@ -113,7 +113,7 @@ fn normals_finer_than_pixels_keep_their_light() {
     for (output, filter) in [("direct", "filter=box"), ("indirect", "filter=centre")] {
         let values = ["samples=256", "samples_per_frame=64", "bounces=1", filter];
         let Some(truth) = halves("reference", &scene, output, &values, 1) else { return };
-        let few = ["rsm.size=128", "lights=1024"];
+        let few = ["rsm.size=128", "lights=1024", "supersampling=1"];
         let found = halves("ism-invtm-ray-traced", &scene, output, &few, 4).expect("an adapter");
         let ratios = [found[0] / truth[0], found[1] / truth[1]];
         eprintln!("RATIO {output}: {ratios:.3?}");

@@ -259,7 +259,9 @@ fn maps_and_rays(scene: &str, shadows: &str, seed: u32) -> Option<[Image; 2]> {
         folder.write(&format!("pipelines/{name}.ron"), &text);
         // One bound for all lights, so that those near a wall do not outweigh what maps get wrong elsewhere.
         let bound = ["gather.clamp=0.01", "gather.area_bound=0.0"];
-        let values = ["lights=64", "rsm.size=128", "map=64", "interleave_x=1", "interleave_y=1"];
+        let one = ["interleave_x=1", "interleave_y=1", "supersampling=1"];
+        let values = ["lights=64", "rsm.size=128", "map=64"];
+        let values = [&values[..], &one].concat();
         let values = [&values[..], &bound].concat();
         let mut renderer = renderer_in(&folder, name, scene, (64, 48), &values)?;
         renderer.set_seed(seed);

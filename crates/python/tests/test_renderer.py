@@ -119,7 +119,7 @@ def test_textures_have_their_own_type() -> None:
     renderer = small()
     renderer.keep("view")
     depth = renderer.frame().resource("view.view.depth")
-    assert depth.shape == (24, 32, 1) and depth.dtype == np.float32 and depth.max() > 0.5
+    assert depth.shape == (48, 64, 1) and depth.dtype == np.float32 and depth.max() > 0.5
     assert renderer.resource("view.view.normal").dtype == np.float16
 
 

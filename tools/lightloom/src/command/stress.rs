@@ -73,11 +73,16 @@ pub(crate) fn run(context: &Context, args: &Args) -> Result<()> {
     let folder = args.cases.folder("stress");
     let subjects = subjects(context, args)?;
     let command = "lightloom stress -o DIR".to_owned();
+    let one_sample = ("supersampling".to_owned(), Value::U32(1));
     let options = Options {
         folder: folder.clone(),
         size: args.size,
-        set: args.set.iter().map(|(path, value)| (path.clone(), value.to_argument())).collect(),
-        // A pixel is what its centre sees, as in a G-buffer: in a frame of few pixels its mean is another thing.
+        set: [&one_sample]
+            .into_iter()
+            .chain(&args.set)
+            .map(|(path, value)| (path.clone(), value.to_argument()))
+            .collect(),
+        // A pixel is what its centre sees, as in a G-buffer of one sample: in a frame of few pixels its mean is another thing.
         set_reference: vec![("filter".to_owned(), "centre".to_owned())],
         samples: args.samples,
         limit: Duration::from_secs(args.isolated),

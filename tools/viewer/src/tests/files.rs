@@ -35,7 +35,7 @@ fn a_file_is_opened_from_the_list_of_its_folder() {
 #[test]
 fn pictures_are_written_in_the_size_that_is_set() {
     let folder = tempfile::tempdir().unwrap();
-    let Some(mut harness) = window("ism-invtm", "plane") else { return };
+    let Some(mut harness) = window("ism-2008", "plane") else { return };
     harness.state_mut().remembered.tab = Tab::Write;
     harness.run_steps(4);
     harness.get_by_label_contains("As it is shown").click();

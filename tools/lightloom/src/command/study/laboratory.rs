@@ -275,8 +275,10 @@ fn observed(
     times: &[f64],
 ) -> Result<Observed, Failure> {
     let plan = renderer.plan().map(Arc::clone).ok_or_else(|| Failure::render("no plan is loaded"))?;
-    let picture = |name: &Option<String>| -> Result<Option<Image>, Failure> {
-        name.as_ref().map(|name| renderer.picture(name, 0).map_err(Failure::render)).transpose()
+    let of_view = |name: &Option<String>| -> Result<Option<Image>, Failure> {
+        let samples =
+            name.as_ref().map(|name| renderer.picture(name, 0).map_err(Failure::render)).transpose()?;
+        Ok(samples.map(|samples| sample_of_each_pixel(&samples, request.size)))
     };
     let lights = extras
         .lights
@@ -294,12 +296,20 @@ fn observed(
         figures: figures(renderer, &request.figures)?,
         image: renderer.picture(&request.output, 0).map_err(Failure::render)?,
         passes: plan.passes.iter().map(|pass| pass.name.to_string()).zip(times.iter().copied()).collect(),
-        depth: picture(&extras.depth)?,
-        normal: picture(&extras.normal)?,
+        depth: of_view(&extras.depth)?,
+        normal: of_view(&extras.normal)?,
         camera: pinhole(&scene.at(scene.frame_time(frame)).camera, request.size),
         lights: lights.transpose()?.map(|lights| lights.iter().map(measured).collect()),
         irradiance: plan.output("irradiance").and_then(|_| renderer.output("irradiance").ok()),
     })
+}
+
+/// Returns the sample of a supersampled view that is nearest to the centre of each pixel; other views as they are.
+fn sample_of_each_pixel(samples: &Image, frame: (u32, u32)) -> Image {
+    let side = (samples.width() / frame.0.max(1) as usize).max(1);
+    let at =
+        |x: usize, y: usize| samples.pixels()[(y * side + side / 2) * samples.width() + x * side + side / 2];
+    Image::from_fn(samples.width() / side, samples.height() / side, at).unwrap_or_else(|_| samples.clone())
 }
 
 /// Returns the requested figures of the last frame.
