@@ -2,7 +2,7 @@
 
 use crate::cpu_reference::{Rgb, composite, displayed};
 use pass::{Format, ResourceDesc};
-use pass_test::{Harness, Member, halves, member};
+use pass_test::{Harness, Member, Outputs, halves, member};
 
 const WIDTH: u32 = 12;
 const HEIGHT: u32 = 8;
@@ -43,18 +43,27 @@ fn radiance(texels: &[Rgb]) -> Vec<Member<'static>> {
     vec![member("", texture(Format::Rgba32Float), &floats(texels, 1.0))]
 }
 
+/// The pictures of all light, for a frame whose pixels have `side`² samples.
+fn composed(
+    side: u32,
+    view: Vec<Member<'static>>,
+    [direct, irradiance, glossy]: [&[Rgb]; 3],
+) -> Option<Outputs> {
+    Harness::new(composite::PASS)
+        .frame(WIDTH / side, HEIGHT / side)
+        .input("view", "GBuffer", &[], view)
+        .input("direct", "Radiance", &[], radiance(direct))
+        .input("indirect", "Irradiance", &[], radiance(irradiance))
+        .input("glossy", "Radiance", &[], radiance(glossy))
+        .run()
+}
+
 #[test]
 fn light_is_added_as_the_cpu_reference_adds_it() {
     let (direct, irradiance, glossy, emission) = (light(1), light(2), light(3), light(4));
     let albedo = vec![[0.25, 0.5, 0.75]; PIXELS];
-    let harness = Harness::new(composite::PASS).frame(WIDTH, HEIGHT);
-    let outputs = harness
-        .input("view", "GBuffer", &[], view(&albedo, &emission))
-        .input("direct", "Radiance", &[], radiance(&direct))
-        .input("indirect", "Irradiance", &[], radiance(&irradiance))
-        .input("glossy", "Radiance", &[], radiance(&glossy))
-        .run();
-    let Some(outputs) = outputs else { return };
+    let seen = view(&albedo, &emission);
+    let Some(outputs) = composed(1, seen, [&direct, &irradiance, &glossy]) else { return };
     let (image, indirect): (Vec<[f32; 4]>, Vec<[f32; 4]>) =
         (outputs.read("image"), outputs.read("indirect_radiance"));
     for i in 0..PIXELS {
@@ -74,14 +83,8 @@ fn a_pixel_is_the_mean_of_its_samples() {
     let (direct, irradiance, glossy, emission) = (light(1), light(2), light(3), light(4));
     let albedo = vec![[0.25, 0.5, 0.75]; PIXELS];
     for side in [2, 4] {
-        let outputs = Harness::new(composite::PASS)
-            .frame(WIDTH / side, HEIGHT / side)
-            .input("view", "GBuffer", &[], view(&albedo, &emission))
-            .input("direct", "Radiance", &[], radiance(&direct))
-            .input("indirect", "Irradiance", &[], radiance(&irradiance))
-            .input("glossy", "Radiance", &[], radiance(&glossy))
-            .run();
-        let Some(outputs) = outputs else { return };
+        let seen = view(&albedo, &emission);
+        let Some(outputs) = composed(side, seen, [&direct, &irradiance, &glossy]) else { return };
         let black = [0.0; 3];
         let found =
             ["image", "direct_radiance", "indirect_radiance"].map(|name| outputs.read::<[f32; 4]>(name));
@@ -106,8 +109,8 @@ fn a_pixel_is_the_mean_of_its_samples() {
                 }
             }
             // The first sample sees nothing.
-            let seen = if pixel == 0 { 1.0 - 1.0 / (side * side) as f32 } else { 1.0 };
-            assert!(found.iter().all(|found| (found[pixel][3] - seen).abs() < 1e-6));
+            let share = if pixel == 0 { 1.0 - 1.0 / (side * side) as f32 } else { 1.0 };
+            assert!(found.iter().all(|found| (found[pixel][3] - share).abs() < 1e-6));
         }
         assert_eq!(outputs.read::<[u8; 4]>("display").len(), PIXELS / (side * side) as usize);
     }
