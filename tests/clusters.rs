@@ -51,6 +51,14 @@ fn clusters_light_as_points_do() {
     }
 }
 
+/// Seeds that follow what the view gets take texels by another importance, which has other units: none of them loses its own texel.
+#[test]
+fn all_seeds_take_texels_in_the_first_frame() {
+    let Some(first) = after("acrsm", "nave", 1, &[]) else { return };
+    let figures = clusters(&first);
+    assert!(figures.value("vanished").unwrap() <= 2.0, "{figures:?}");
+}
+
 #[test]
 fn clusters_stay_alive_while_the_light_glides() {
     if gpu().is_none() {

@@ -89,6 +89,17 @@ fn part_holds(packed: u32, local: vec2<u32>) -> bool {
     return all(local >= low) && all(local < high);
 }
 
+/// What a cluster is compared by: the mean of its texels; before it has any, that of the texel where it was seeded, since what
+/// seeds are dealt by may be another importance.
+fn importance_of(cluster: Cluster) -> f32 {
+#if IMPORTANCE
+    if cluster.texels == 0u {
+        return weight_of(importance(cluster.layer, vec2<u32>(cluster.uv)));
+    }
+#endif
+    return weight_of(cluster.importance);
+}
+
 /// Lists those of the clusters from `first` to before `end` that can take texels of the tile, at most GROUP_SIZE, and
 /// returns how many there are. All threads of the workgroup must call it.
 fn list_chunk(thread: u32, first: u32, end: u32, tile: Window, layer: u32) -> u32 {
@@ -107,7 +118,7 @@ fn list_chunk(thread: u32, first: u32, end: u32, tile: Window, layer: u32) -> u3
     let ranks = prefix_sum_u32(thread, select(0u, 1u, meets));
     if meets {
         let at = ranks.x - 1u;
-        listed_places[at] = vec4(cluster.position, weight_of(cluster.importance));
+        listed_places[at] = vec4(cluster.position, importance_of(cluster));
         listed_normals[at] = direction_of(cluster.normal);
 #if FLUX
         listed_fluxes[at] = flux_of(cluster.centre_flux);

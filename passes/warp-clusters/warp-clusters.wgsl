@@ -215,7 +215,6 @@ fn cluster_at(place: Place, generation: u32) -> Cluster {
     let size = size_at(0u);
     cluster.position = textureLoad(rsm_position, texel, place.layer, 0).xyz;
     cluster.normal = normalize(textureLoad(rsm_normal, texel, place.layer, 0).xyz);
-    cluster.importance = importance_of_texel(place.layer, texel);
     cluster.flux = textureLoad(rsm_flux, texel, place.layer, 0).rgb;
     cluster.centre_flux = cluster.flux;
     cluster.texel = (place.layer * size.y + texel.y) * size.x + texel.x;

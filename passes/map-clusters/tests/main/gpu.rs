@@ -48,6 +48,7 @@ impl World {
             uv: [size.0 as f32 * number(i, 71), size.1 as f32 * number(i, 72)],
             layer: hash2(i, 73) % layers,
             state: if i % 11 == 5 { state::TO_SEED } else { state::ALIVE },
+            texels: i % 3,
             ..Cluster::default()
         };
         let texels: Vec<RsmTexel> = (0..size.0 * size.1 * layers).map(texel).collect();
@@ -75,12 +76,25 @@ impl World {
         Texels { size: self.size.into(), texels: texels.map(read).collect() }
     }
 
+    /// The clusters with what they are compared by: until they have texels, the importance of the one where they are.
+    fn compared(&self) -> Vec<Cluster> {
+        let at = |cluster: &Cluster| {
+            let [x, y] = cluster.uv.map(|at| at as u32);
+            ((cluster.layer * self.size.1 + y) * self.size.0 + x) as usize
+        };
+        let importance = |cluster: &Cluster| match &self.importance {
+            Some(importance) if cluster.texels == 0 => importance[at(cluster)],
+            _ => cluster.importance,
+        };
+        self.clusters.iter().map(|cluster| Cluster { importance: importance(cluster), ..*cluster }).collect()
+    }
+
     /// Asserts that each texel belongs to the cluster that is the nearest to it of all.
     fn assert_nearest(&self, found: &[u32], metric: &Metric, note: &str) {
-        let map = self.map();
+        let (map, clusters) = (self.map(), self.compared());
         let mut others = 0;
         for (i, found) in found.iter().enumerate() {
-            let candidates = metric.candidates(&self.clusters, &map, i);
+            let candidates = metric.candidates(&clusters, &map, i);
             let least = candidates.iter().min_by(|(_, a), (_, b)| a.total_cmp(b));
             let Some((nearest, least)) = least else {
                 assert_eq!(*found, NONE, "{note}: texel {i} is in no window");

@@ -160,7 +160,6 @@ impl Pyramid {
         Cluster {
             position: texel.position.unwrap_or_default(),
             normal: texel.normal,
-            importance: importance_of_texel(texel) as f32,
             flux: texel.flux,
             centre_flux: texel.flux,
             texel: index,
