@@ -23,7 +23,7 @@ const SIZE: (u16, u16) = (480, 320);
 const SMALL: &str = r#"Pipeline(
     extends: "ism-invtm.ron",
     about: "Few lights and small maps",
-    parameters: { "lights": U32(default: 16), "map": U32(default: 32) },
+    parameters: { "lights": U32(default: 16), "map": U32(default: 32), "supersampling": U32(default: 1) },
     patch: [Set("rsm.size", 32)],
 )
 "#;
@@ -36,10 +36,15 @@ const DIM: &str = r#"Pipeline(extends: "small.ron", about: "Darker", patch: [Set
 const DISPLAY: &str = "passes/composite/display.wgsl";
 const SHOWN: &str = "displayed(seen, settings.exposure, settings.white)";
 
-/// Opens the window with the small pipeline and nothing but its picture, which is that of `lightloom render`.
+/// Opens the window with the small pipeline and nothing but its picture.
 fn first_picture(tree: &Tree, home: &Home) -> Option<(Viewer, Image)> {
-    let rendered = tree.rendered("small", SIZE);
-    let viewer = Viewer::bare(tree, home, &["small", "cornell-box"])?;
+    first_picture_of(tree, home, "small", "cornell-box")
+}
+
+/// Opens the window with nothing but its picture, which is that of `lightloom render`.
+fn first_picture_of(tree: &Tree, home: &Home, pipeline: &str, scene: &str) -> Option<(Viewer, Image)> {
+    let rendered = tree.rendered(pipeline, scene, SIZE);
+    let viewer = Viewer::bare(tree, home, &[pipeline, scene])?;
     viewer.wait_for_picture("the picture of `render`", |seen| flip(seen, &rendered) <= 0.02);
     let first = viewer.rest("the first picture");
     Some((viewer, first))
@@ -113,7 +118,7 @@ fn the_window_shows_the_picture_and_obeys() {
     back("the point that was clicked");
 
     // Another pipeline from the palette; the camera's key is text there.
-    let dim = tree.rendered("dim", SIZE);
+    let dim = tree.rendered("dim", "cornell-box", SIZE);
     assert!(flip(&dim, &first) > 0.1, "the pipelines look different");
     viewer.key("ctrl+p");
     viewer.wait_for_picture("the palette", |seen| *seen != first);
@@ -339,8 +344,8 @@ fn what_a_slider_found_is_saved_as_a_variant() {
     let checked = tree.lightloom(&["check", &file]);
     let printed = [&checked.stdout[..], &checked.stderr].map(String::from_utf8_lossy).concat();
     assert!(checked.status.success(), "{printed}");
-    let plain = tree.rendered("small", (96, 64));
-    assert!(tree.rendered(&file, (96, 64)) != plain, "the variant looks different: {text}");
+    let plain = tree.rendered("small", "cornell-box", (96, 64));
+    assert!(tree.rendered(&file, "cornell-box", (96, 64)) != plain, "the variant looks different: {text}");
 }
 
 /// Without a display, the program prints what to do instead.
@@ -365,9 +370,7 @@ fn without_a_display_it_names_another_way() {
 fn the_window_remembers() {
     let Some(_turn) = turn() else { return };
     let (tree, home) = (Tree::new(), Home::new(false));
-    let Some(viewer) = Viewer::bare(&tree, &home, &["dim", "cornell-box-point"]) else { return };
-    viewer.wait_for_picture("a picture", |seen| mean(seen, 100..380, 50..270)[0] > 0.01);
-    let first = viewer.rest("the first picture");
+    let Some((viewer, first)) = first_picture_of(&tree, &home, "dim", "cornell-box-point") else { return };
     viewer.window.drag((200, 160), (150, 150), 5, Button::Left);
     viewer.window.move_to(479, 319);
     let orbited = viewer.wait_for_other("another side of the scene", &first);
