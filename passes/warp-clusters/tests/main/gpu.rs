@@ -146,7 +146,7 @@ fn strange_importance_counts_as_none() {
     assert!(found.iter().all(|cluster| cluster.texel == 33));
     strange[50] = f32::INFINITY;
     let found = warped(&map(&strange, [8, 8]), &halton(500), 0).unwrap();
-    assert!(found.iter().all(|cluster| (cluster.texel, cluster.importance) == (50, f32::MAX)));
+    assert!(found.iter().all(|cluster| cluster.texel == 50));
 }
 
 #[test]
