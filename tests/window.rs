@@ -276,19 +276,23 @@ fn no_edit_ends_the_session() {
     let mut random = Random(0x9e37_79b9_7f4a_7c15);
     let mut broken: Vec<usize> = Vec::new();
     for number in 0..100 {
+        // What breaks files that are as they were is waited for, so that not all edits are read as one, however slow the machine.
+        let breaks = number % 25 == 0;
         // Half of the time what is broken is mended, so that there are pictures in between.
         let mends = random.below(2) == 0 && !broken.is_empty();
         let which = if mends { broken[random.below(broken.len())] } else { random.below(EDITED.len()) };
-        let sound = mends || random.below(3) > 0;
+        let sound = !breaks && (mends || random.below(3) > 0);
         broken.retain(|&file| file != which);
         broken.extend((!sound).then_some(which));
         let (name, from, to) = EDITED[which];
         let changed = originals[which].replace(from, to);
         assert!(changed != originals[which], "{name} has {from:?}");
+        let reported = viewer.stderr().len();
         let done = edit(&tree, &mut random, name, &originals[which], &changed, sound);
         assert!(viewer.ended().is_none(), "after edit {number}: {done}\n{}", viewer.printed());
         // Many in the same breath, many while the one before is being taken in, some with time for that.
         match random.below(3) {
+            _ if breaks => viewer.wait_for("error", |viewer| viewer.stderr().len() > reported),
             0 => std::thread::sleep(Duration::from_millis(random.next() % 20)),
             1 => std::thread::sleep(Duration::from_millis(20 + random.next() % 60)),
             _ => viewer.wait_for_output(),
@@ -299,9 +303,6 @@ fn no_edit_ends_the_session() {
             viewer.wait_for_same("the picture of the files as they were", &first);
         }
     }
-    // Not all of them were read as one.
-    assert!(viewer.reloads() >= 5, "{}", viewer.stdout());
-    assert!(viewer.stderr().matches("error").count() >= 5, "{}", viewer.stderr());
     let other = Home::new(false);
     let Some((_fresh, fresh)) = first_picture(&tree, &other) else { return };
     viewer.wait_for_same("the picture of a fresh start", &fresh);
