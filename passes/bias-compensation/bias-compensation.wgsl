@@ -6,7 +6,8 @@
 // a density, which changes little from one light to the next.
 //
 // The pixels of a window of the interleaving share one stratified set of rays, as they share one set of lights. A pixel traces more of them
-// where the first rays of those around it differ, and where few pixels of its window see its surface.
+// where the first rays of those around it differ, and where few pixels of its window see its surface. The samples of a pixel of the frame
+// that see one surface share the rays of one of them, chosen at random.
 //
 // compensated: rgba32float [W/m²]; alpha is what bounds took away, less what the rays returned. As a difference of two estimates it can be
 // negative at a pixel.
@@ -37,6 +38,7 @@
 
 struct Settings {
     view_size: vec2<u32>,
+    view_supersampling: u32,
     irradiance_interleave_x: u32,
     irradiance_interleave_y: u32,
     /// The distance b, as a fraction of the scene's dense extent.
@@ -64,7 +66,7 @@ var<storage, read> lights: VirtualLights;
 var irradiance: texture_2d<f32>;
 var compensated: texture_storage_2d<rgba32float, write>;
 
-/// Side of a workgroup [px].
+/// Side of a workgroup [pixels of the frame].
 const SIDE: u32 = 8u;
 
 /// Pixels of a workgroup beside one.
@@ -73,7 +75,7 @@ const OTHERS: u32 = SIDE * SIDE - 1u;
 /// What the first rays of each pixel of a workgroup return, in the mean, and the irradiance before: luminances [W/m²].
 var<workgroup> firsts: array<vec2<f32>, OTHERS + 1u>;
 
-/// Where the rays of a pixel begin, and which they are.
+/// Where the rays of a sample begin, and which they are.
 struct RaySet {
     /// The surface, and where rays begin off it [m].
     at: vec3<f32>,
@@ -85,72 +87,118 @@ struct RaySet {
     place: u32,
     window: u32,
     seed: u32,
-    /// The pixels of a window of the interleaving whose mean a filter takes.
+    /// The samples of the pixel that share these rays, a bit for each of those from `sample_of`.
+    sharing: u32,
+    /// The samples in a window of the interleaving whose mean a filter takes; 0 where nothing is seen.
     alike: u32,
+    /// The samples of that window.
+    samples: u32,
     /// Where the run of lights begins in which the nearest is sought, below 1.
     start: f32,
 }
 
+/// Sample i of a pixel of the frame, in an order at random that begins with each of them and goes to either side as often, so that of
+/// samples that see one surface each is the first as often.
+fn sample_of(pixel: vec2<u32>, i: u32) -> vec2<u32> {
+    let side = settings.view_supersampling;
+    let random = hash2(settings.seed, hash2(pixel.x, pixel.y));
+    let step = select(i, side * side - i, (random & 1u) != 0u);
+    let place = ((random >> 1u) % (side * side) + step) % (side * side);
+    return pixel * side + vec2(place % side, place / side);
+}
+
+/// A thread a pixel of the frame. [threads: (view.width / view.supersampling, view.height / view.supersampling, 1)]
 @compute @workgroup_size(SIDE, SIDE)
 fn compensate(
     @builtin(global_invocation_id) id: vec3<u32>,
     @builtin(workgroup_id) group: vec3<u32>,
     @builtin(local_invocation_index) index: u32,
 ) {
-    let is_inside = all(id.xy < settings.view_size);
-    var whole = vec4(0.0);
-    var depth = 0.0;
-    if is_inside {
-        whole = textureLoad(irradiance, id.xy, 0);
-        depth = textureLoad(view_depth, id.xy, 0).x;
-    }
+    let side = settings.view_supersampling;
+    let samples = select(0u, side * side, all(side * id.xy < settings.view_size));
     var rays = RaySet();
     var sum = vec3(0.0);
-    if depth > 0.0 {
-        rays = rays_of_pixel(id.xy, group.xy, depth);
+    if samples > 0u {
+        rays = rays_of_sample(id.xy, 0u, 0u, group.xy);
+    }
+    if rays.alike > 0u {
         sum = sum_of_rays(rays, 0u, settings.rays_per_pixel);
-        firsts[index] = vec2(luminance(sum) / f32(max(settings.rays_per_pixel, 1u)), luminance(whole.rgb));
+        let before = luminance(textureLoad(irradiance, sample_of(id.xy, 0u), 0).rgb);
+        firsts[index] = vec2(luminance(sum) / f32(max(settings.rays_per_pixel, 1u)), before);
     }
     workgroupBarrier();
-    if depth > 0.0 {
-        let count = wanted_rays(index, rays);
-        sum += sum_of_rays(rays, settings.rays_per_pixel, count);
-        let returned = sum / f32(max(count, 1u));
-        whole += vec4(returned, -luminance(returned));
-    }
-    if is_inside {
-        textureStore(compensated, id.xy, whole);
+    var traced = settings.rays_per_pixel;
+    var done = 0u;
+    for (var i = 0u; i < samples; i++) {
+        if (done & (1u << i)) != 0u {
+            continue;
+        }
+        if i > 0u {
+            rays = rays_of_sample(id.xy, i, done, group.xy);
+            sum = vec3(0.0);
+            traced = 0u;
+        }
+        var returned = vec3(0.0);
+        if rays.alike > 0u {
+            let count = wanted_rays(index, rays);
+            returned = (sum + sum_of_rays(rays, traced, count)) / f32(max(count, 1u));
+        }
+        for (var j = i; j < samples; j++) {
+            if (rays.sharing & (1u << j)) != 0u {
+                let at = sample_of(id.xy, j);
+                let whole = textureLoad(irradiance, at, 0);
+                textureStore(compensated, at, whole + vec4(returned, -luminance(returned)));
+            }
+        }
+        done |= rays.sharing;
     }
 }
 
-fn rays_of_pixel(pixel: vec2<u32>, group: vec2<u32>, depth: f32) -> RaySet {
-    let at = camera.position + pixel_ray(vec2<f32>(pixel), settings.view_size) * depth;
-    let normal = normalize(textureLoad(view_normal, pixel, 0).xyz);
-    let plane = plane_normal(pixel, normal);
+/// The rays of sample i of a pixel, shared by those after it that see its surface and are not done.
+fn rays_of_sample(pixel: vec2<u32>, i: u32, done: u32, group: vec2<u32>) -> RaySet {
+    var rays = RaySet();
+    rays.sharing = 1u << i;
+    let own = sample_of(pixel, i);
+    let depth = textureLoad(view_depth, own, 0).x;
+    if depth <= 0.0 {
+        return rays;
+    }
+    rays.normal = normalize(textureLoad(view_normal, own, 0).xyz);
+    rays.plane = plane_normal(own, rays.normal);
+    rays.at = camera.position + pixel_ray(vec2<f32>(own), settings.view_size) * depth;
+    rays.origin = offset_origin(rays.at, rays.plane);
+    let around = surface_around(own, settings.view_size, depth, rays.normal);
+    let side = settings.view_supersampling;
+    for (var j = i + 1u; j < side * side; j++) {
+        let other = vec2<i32>(sample_of(pixel, j));
+        if (done & (1u << j)) == 0u && is_same_surface(around, other, SAME_PLANE, SAME_NORMAL) {
+            rays.sharing |= 1u << j;
+        }
+    }
     let interleave = max(vec2(settings.irradiance_interleave_x, settings.irradiance_interleave_y), vec2(1u));
-    let window = pixel / interleave;
-    let within = pixel % interleave;
-    let around = surface_around(pixel, settings.view_size, depth, normal);
-    return RaySet(
-        at,
-        offset_origin(at, plane),
-        normal,
-        plane,
-        within.y * interleave.x + within.x,
-        interleave.x * interleave.y,
-        hash2(settings.seed, hash2(window.x, window.y)),
-        clamp(alike_in_window(around, settings.view_size, interleave), 1u, interleave.x * interleave.y),
-        unit_float(hash2(group.x, group.y)),
-    );
+    rays.samples = interleave.x * interleave.y;
+    rays.alike = clamp(alike_in_window(around, settings.view_size, interleave), 1u, rays.samples);
+    let window = own / interleave;
+    let within = own % interleave / side;
+    let pixels = (interleave + side - 1u) / side;
+    rays.place = within.y * pixels.x + within.x;
+    rays.window = pixels.x * pixels.y;
+    rays.seed = hash2(settings.seed, hash2(window.x, window.y));
+    rays.start = unit_float(hash2(group.x, group.y));
+    return rays;
 }
 
-/// How many rays a pixel traces: those of the pixels of its window that see another surface too, and as many as bring the mean that a
+/// How many rays a sample traces: those of the pixels of its window that see another surface too, and as many as bring the mean that a
 /// filter takes to `noise`, by how the first rays of the other pixels of the workgroup differ. Its own do not count: pixels whose first
-/// rays return little would keep to these, and the mean would be wrong.
+/// rays return little would keep to these, and the mean would be wrong. Of the samples that a filter finds, those that share rays count
+/// once.
 fn wanted_rays(index: u32, rays: RaySet) -> u32 {
     let least = settings.rays_per_pixel;
     let most = max(settings.most_rays, least);
-    let of_window = min((least * rays.window + rays.alike - 1u) / rays.alike, most);
+    let sharing = countOneBits(rays.sharing);
+    let side = settings.view_supersampling;
+    let alone = rays.alike * side * side;
+    let of_window = min((least * rays.samples * sharing + alone - 1u) / alone, most);
     var returned = 0.0;
     var before = 0.0;
     for (var i = 0u; i <= OTHERS; i++) {
@@ -165,23 +213,21 @@ fn wanted_rays(index: u32, rays: RaySet) -> u32 {
         let away = (firsts[i].x - returned) / (returned + before);
         variance += select(away * away / f32(OTHERS), 0.0, i == index);
     }
-    let wanted = variance * f32(least) / max(f32(rays.alike) * settings.noise * settings.noise, 1e-37);
+    let wanted = variance * f32(least * sharing) / max(f32(rays.alike) * settings.noise * settings.noise, 1e-37);
     return clamp(u32(min(wanted, f32(most))), of_window, most);
 }
 
 #if LIGHTS
-/// The most lights among which the end of a ray finds the nearest: a run, since consecutive lights are spread as all of them are.
-const MOST_LIGHTS: u32 = 1024u;
-
-/// The most lights for all rays of a pixel: a CPU driver ends the loops of a thread after 65,535 iterations.
-const MOST_COMPARED: u32 = 32768u;
+/// The most lights among which the end of a ray finds the nearest: a run, since consecutive lights are spread as all of them are. All of
+/// them took more time, and erred as much.
+const MOST_LIGHTS: u32 = 256u;
 
 /// The area for which a light at a point with a unit normal stands [m²]: that of the nearest light, where those with other
 /// normals count as farther; 0 if there is none. `start`, below 1, chooses the run of lights: that of a workgroup, whose
 /// threads then read one light at a time.
 fn area_at(at: vec3<f32>, normal: vec3<f32>, start: f32) -> f32 {
     let count = min(lights.count, arrayLength(&lights.lights));
-    let run = min(count, min(MOST_LIGHTS, MOST_COMPARED / max(settings.most_rays, settings.rays_per_pixel)));
+    let run = min(count, MOST_LIGHTS);
     let first = u32(start * f32(count - run));
     var least = 1e37;
     var nearest = count;

@@ -244,3 +244,35 @@ fn a_window_shares_its_rays() {
     let (of_windows, independent) = (variance(&windows), variance(&single) / 8.0);
     assert!(of_windows < 0.5 * independent, "{of_windows} against {independent}");
 }
+
+/// The samples of a pixel that see one surface share the rays of one of them, and those that see another trace their own: each surface
+/// gets what it lacks.
+#[test]
+fn samples_of_a_pixel_share_rays() {
+    let of = |low: f32| {
+        let height = |x: u32| if x.is_multiple_of(2) { 0.05 } else { low };
+        let harness = over_plane_by(height, [0.0; 4]).fact("clamp", 0.4 / EXTENT);
+        // The view has two samples along each side of a pixel.
+        let harness = harness.frame(SIDE / 2, SIDE / 2).set("rays_per_pixel", 1u32).set("most_rays", 1u32);
+        Some(singles(&harness.run()?.read("compensated")))
+    };
+    let sample = |x: u32, y: u32| (y * SIDE + x) as usize;
+    for (low, shared) in [(0.05, true), (0.1, false)] {
+        let Some(samples) = of(low) else { return };
+        let mut differ = 0;
+        for (x, y) in (0..SIDE / 2).flat_map(|x| (0..SIDE / 2).map(move |y| (2 * x, 2 * y))) {
+            let [upper, lower] = [y, y + 1].map(|y| [x, x + 1].map(|x| samples[sample(x, y)]));
+            assert_eq!(upper, lower, "at {x}, {y}: samples of one surface");
+            differ += u32::from(upper[0] != upper[1]);
+        }
+        assert!(if shared { differ == 0 } else { differ > 900 }, "{differ} of 1,024 differ");
+        for (column, height) in [(0, 0.05), (1, low)] {
+            let of_column = (0..SIDE * SIDE).filter(|i| i % 2 == column).map(|i| samples[i as usize]);
+            let of_column: Vec<f64> = of_column.collect();
+            let off = of_column.iter().sum::<f64>() / of_column.len() as f64 - missing(height.into(), 0.4);
+            // Of two samples that are equal.
+            let error = (variance(&of_column) / (of_column.len() / 2) as f64).sqrt();
+            assert!(off.abs() < 3.0 * error, "{low}, column {column}: off by {off}, {error} by noise");
+        }
+    }
+}
