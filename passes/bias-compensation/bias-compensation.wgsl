@@ -47,8 +47,8 @@ struct Settings {
     irradiance_area_bound: f32,
     /// Rays of a pixel, at the least. More: less noise near edges and contacts, and more time. [default: 1, min: 0, max: 64]
     rays_per_pixel: u32,
-    /// The most rays of a pixel, where those around it differ. No more than `rays_per_pixel`: all pixels trace as many. [default: 8,
-    /// min: 0, max: 64]
+    /// The most rays of a pixel, or of each of its samples, where those around it differ. No more than `rays_per_pixel`: all pixels trace
+    /// as many. [default: 8, min: 0, max: 64]
     most_rays: u32,
     /// The noise for which a pixel traces more rays, as a share of the irradiance around it. More: fewer rays, and more noise. [default:
     /// 0.05, min: 0.0, max: 1000.0]
@@ -188,14 +188,18 @@ fn rays_of_sample(pixel: vec2<u32>, i: u32, done: u32, group: vec2<u32>) -> RayS
     return rays;
 }
 
+/// The most rays of samples that share them, each of which compares MOST_LIGHTS lights: a CPU driver ends the loops of a thread after
+/// 65,535 iterations.
+const MOST_RAYS: u32 = 128u;
+
 /// How many rays a sample traces: those of the pixels of its window that see another surface too, and as many as bring the mean that a
 /// filter takes to `noise`, by how the first rays of the other pixels of the workgroup differ. Its own do not count: pixels whose first
 /// rays return little would keep to these, and the mean would be wrong. Of the samples that a filter finds, those that share rays count
 /// once.
 fn wanted_rays(index: u32, rays: RaySet) -> u32 {
     let least = settings.rays_per_pixel;
-    let most = max(settings.most_rays, least);
     let sharing = countOneBits(rays.sharing);
+    let most = clamp(max(settings.most_rays, least) * sharing, least, MOST_RAYS);
     let side = settings.view_supersampling;
     let alone = rays.alike * side * side;
     let of_window = min((least * rays.samples * sharing + alone - 1u) / alone, most);
