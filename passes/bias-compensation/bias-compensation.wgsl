@@ -121,13 +121,13 @@ fn compensate(
     if samples > 0u {
         rays = rays_of_sample(id.xy, 0u, 0u, group.xy);
     }
+    var traced = least_of(rays);
     if rays.alike > 0u {
-        sum = sum_of_rays(rays, 0u, settings.rays_per_pixel);
+        sum = sum_of_rays(rays, 0u, traced);
         let before = luminance(textureLoad(irradiance, sample_of(id.xy, 0u), 0).rgb);
-        firsts[index] = vec2(luminance(sum) / f32(max(settings.rays_per_pixel, 1u)), before);
+        firsts[index] = vec2(luminance(sum) / f32(max(traced, 1u)), before);
     }
     workgroupBarrier();
-    var traced = settings.rays_per_pixel;
     var done = 0u;
     for (var i = 0u; i < samples; i++) {
         if (done & (1u << i)) != 0u {
@@ -188,18 +188,29 @@ fn rays_of_sample(pixel: vec2<u32>, i: u32, done: u32, group: vec2<u32>) -> RayS
     return rays;
 }
 
-/// The most rays of samples that share them, each of which compares MOST_LIGHTS lights: a CPU driver ends the loops of a thread after
+/// The most rays of a pixel of the frame, each of which compares MOST_LIGHTS lights: a CPU driver ends the loops of a thread after
 /// 65,535 iterations.
 const MOST_RAYS: u32 = 128u;
+
+/// The part of MOST_RAYS of the samples that share rays.
+fn most_of(rays: RaySet) -> u32 {
+    let side = settings.view_supersampling;
+    return max(MOST_RAYS * countOneBits(rays.sharing) / (side * side), 1u);
+}
+
+/// How many rays each sample traces, or those that share them together.
+fn least_of(rays: RaySet) -> u32 {
+    return min(settings.rays_per_pixel, most_of(rays));
+}
 
 /// How many rays a sample traces: those of the pixels of its window that see another surface too, and as many as bring the mean that a
 /// filter takes to `noise`, by how the first rays of the other pixels of the workgroup differ. Its own do not count: pixels whose first
 /// rays return little would keep to these, and the mean would be wrong. Of the samples that a filter finds, those that share rays count
 /// once.
 fn wanted_rays(index: u32, rays: RaySet) -> u32 {
-    let least = settings.rays_per_pixel;
+    let least = least_of(rays);
     let sharing = countOneBits(rays.sharing);
-    let most = clamp(max(settings.most_rays, least) * sharing, least, MOST_RAYS);
+    let most = clamp(max(settings.most_rays, least) * sharing, least, most_of(rays));
     let side = settings.view_supersampling;
     let alone = rays.alike * side * side;
     let of_window = min((least * rays.samples * sharing + alone - 1u) / alone, most);

@@ -142,14 +142,22 @@ fn what_no_light_lacks_is_not_returned() {
     }
 }
 
-/// 65,536 lights and all rays of a pixel are within what a driver loops over: the areas of a run of them are enough.
+/// 65,536 lights and all rays of a pixel are within what a driver loops over, also where its samples see several surfaces: the areas of
+/// a run of lights are enough.
 #[test]
 fn many_lights_are_sampled_by_a_run() {
     let lights: Vec<_> = (0..65_536).map(|i| light(f64::from(i % 64) / 64.0 - 0.5, 0.3, DVec3::Y)).collect();
-    let harness = over_plane(0.05, [0.0; 4]).fact("clamp", 0.0f32).fact("area_bound", 1.0f32).lights(&lights);
-    let Some(outputs) = harness.set("rays_per_pixel", 64u32).set("reach", 0.3f32).run() else { return };
-    let (found, wanted) = (mean(&outputs.read("compensated")), missing(0.05, 0.3));
-    assert!((found - wanted).abs() < 2e-3 * wanted, "{found} for {wanted}");
+    for supersampling in [1, 4] {
+        let height = |x| 0.05 * (1.0 + (x % supersampling) as f32);
+        let harness = over_plane_by(height, [0.0; 4]).fact("clamp", 0.0f32).fact("area_bound", 1.0f32);
+        let harness = harness.lights(&lights).frame(SIDE / supersampling, SIDE / supersampling);
+        let harness = harness.set("rays_per_pixel", 64u32).set("most_rays", 64u32).set("reach", 0.3f32);
+        let Some(outputs) = harness.run() else { return };
+        let found = mean(&outputs.read("compensated"));
+        let wanted = (0..supersampling).map(|x| missing(height(x).into(), 0.3)).sum::<f64>();
+        let wanted = wanted / f64::from(supersampling);
+        assert!((found - wanted).abs() < 3e-3 * wanted, "{supersampling}: {found} for {wanted}");
+    }
 }
 
 #[test]
