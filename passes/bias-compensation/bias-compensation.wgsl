@@ -91,8 +91,6 @@ struct RaySet {
     sharing: u32,
     /// The samples in a window of the interleaving whose mean a filter takes; 0 where nothing is seen.
     alike: u32,
-    /// The samples of that window.
-    samples: u32,
     /// Where the run of lights begins in which the nearest is sought, below 1.
     start: f32,
 }
@@ -165,7 +163,7 @@ fn rays_of_sample(pixel: vec2<u32>, i: u32, done: u32, group: vec2<u32>) -> RayS
     }
     rays.normal = normalize(textureLoad(view_normal, own, 0).xyz);
     rays.plane = plane_normal(own, rays.normal);
-    rays.at = camera.position + pixel_ray(vec2<f32>(own), settings.view_size) * depth;
+    rays.at = position_from_depth(own, settings.view_size, depth);
     rays.origin = offset_origin(rays.at, rays.plane);
     let around = surface_around(own, settings.view_size, depth, rays.normal);
     let side = settings.view_supersampling;
@@ -175,12 +173,12 @@ fn rays_of_sample(pixel: vec2<u32>, i: u32, done: u32, group: vec2<u32>) -> RayS
             rays.sharing |= 1u << j;
         }
     }
-    let interleave = max(vec2(settings.irradiance_interleave_x, settings.irradiance_interleave_y), vec2(1u));
-    rays.samples = interleave.x * interleave.y;
-    rays.alike = clamp(alike_in_window(around, settings.view_size, interleave), 1u, rays.samples);
-    let window = own / interleave;
-    let within = own % interleave / side;
-    let pixels = (interleave + side - 1u) / side;
+    // Whole pixels of the frame.
+    let interleave = max(vec2(settings.irradiance_interleave_x, settings.irradiance_interleave_y), vec2(side));
+    rays.alike = clamp(alike_in_window(around, settings.view_size, interleave), 1u, interleave.x * interleave.y);
+    let pixels = interleave / side;
+    let window = pixel / pixels;
+    let within = pixel % pixels;
     rays.place = within.y * pixels.x + within.x;
     rays.window = pixels.x * pixels.y;
     rays.seed = hash2(settings.seed, hash2(window.x, window.y));
@@ -211,9 +209,7 @@ fn wanted_rays(index: u32, rays: RaySet) -> u32 {
     let least = least_of(rays);
     let sharing = countOneBits(rays.sharing);
     let most = clamp(max(settings.most_rays, least) * sharing, least, most_of(rays));
-    let side = settings.view_supersampling;
-    let alone = rays.alike * side * side;
-    let of_window = min((least * rays.samples * sharing + alone - 1u) / alone, most);
+    let of_window = min((least * rays.window * sharing + rays.alike - 1u) / rays.alike, most);
     var returned = 0.0;
     var before = 0.0;
     for (var i = 0u; i <= OTHERS; i++) {
