@@ -97,7 +97,7 @@ pub(crate) struct Motion {
     /// Whether the scene lies far from the origin of its files.
     pub(crate) far: bool,
     pub(crate) camera: Driver,
-    /// One per light.
+    /// One for each light of the files.
     pub(crate) lights: Vec<Driver>,
     pub(crate) skins: Vec<Skin>,
     pub(crate) meshes: Vec<MovingMesh>,
@@ -111,6 +111,11 @@ pub(crate) struct Driver {
     /// Track of a camera's target, or of a light's direction.
     pub(crate) aim: Option<Track<Vec3>>,
     pub(crate) intensity: Option<Track<Vec3>>,
+}
+
+impl Driver {
+    /// That of what does not move.
+    const STILL: Driver = Driver { node: None, position: None, aim: None, intensity: None };
 }
 
 /// An instance that moves or deforms.
@@ -364,8 +369,9 @@ impl Scene {
         time: f32,
         worlds: &'a [Affine3A],
     ) -> impl Iterator<Item = PosedLight<'a>> + 'a {
-        let pairs = self.lights.iter().zip(&self.motion.lights);
-        pairs.map(move |(rest, driver)| {
+        // Lights that were put into the scene after it was loaded have no driver.
+        let drivers = self.motion.lights.iter().chain(std::iter::repeat(&Driver::STILL));
+        self.lights.iter().zip(drivers).map(move |(rest, driver)| {
             let still = PosedLight {
                 rest,
                 position: rest.position,

@@ -114,3 +114,13 @@ fn the_shipped_moving_scene_moves_everything() {
         assert!(lowest.abs() < 1e-3, "frame {frame}: {lowest} m above the floor");
     }
 }
+
+/// A light that a program adds to a loaded scene is there at every time, and does not move.
+#[test]
+fn a_light_that_was_added_shines() {
+    let mut scene = shipped("cornell-box-glide");
+    let added = scene.lights[0].clone();
+    scene.lights.push(added.clone());
+    let lights = scene.at(1.0).lights;
+    assert!(lights.len() == 2 && lights[0] != added && lights[1] == added, "{lights:?}");
+}
