@@ -6,7 +6,7 @@ use crate::surface_lights::{fluxes, lights};
 use glam::Vec3;
 use pass_test::rooms::{furnace, matte, quad, room};
 use renderer::Renderer;
-use scene::{LightKind, Scene};
+use scene::{Light, LightKind, Scene};
 use std::f64::consts::PI;
 
 /// The most iterations of a test before the first picture, as in `smc-ir`; those after it are of a frame each.
@@ -120,6 +120,38 @@ fn no_flux_goes_through_a_thin_wall() {
     scene.lights[0].position.x = -0.5;
     let before = flux("smc-ir", Some(&scene), 10, &[]).expect("the adapter is still there");
     assert!(behind == 0.0 && before > 1.0, "{behind} W from behind, {before} W from before");
+}
+
+/// The strong light on one side of a thin shelf stays there, and so does the weak one on the other.
+#[test]
+fn each_side_of_a_shelf_keeps_its_flux() {
+    let quads = [
+        quad([-1.0, 0.0, -1.0], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0], 0),
+        quad([-1.0, 1.0, -1.0], [2.0, 0.0, 0.0], [0.0, 0.0, 2.0], 0),
+        quad([-0.5, 0.5, -0.5], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0], 1),
+    ];
+    let mut scene = room(&quads, vec![matte([0.0; 3], [0.0; 3]), matte([0.5; 3], [0.0; 3])]);
+    scene.camera.position = Vec3::new(0.0, 0.5, 3.0);
+    scene.camera.target = Vec3::new(0.0, 0.5, 0.0);
+    let angle = 0.5_f32;
+    let spot = |name: &str, height: f32, direction: Vec3, intensity: f32| Light {
+        name: name.into(),
+        kind: LightKind::Spot { inner: angle, outer: angle },
+        position: Vec3::new(0.1, height, 0.2),
+        direction,
+        intensity: Vec3::splat(intensity),
+    };
+    scene.lights = vec![spot("above", 0.9, Vec3::NEG_Y, 3.0), spot("below", 0.1, Vec3::Y, 0.1)];
+    let values = ["lights=192", "map=4", "bounces=1"];
+    let Some(mut renderer) = renderer("smc-ir", "cornell-box", (32, 32), &values) else { return };
+    renderer.set_scene(scene).unwrap();
+    let lights = lights(&mut renderer);
+    for (side, intensity) in [(1.0, 3.0), (-1.0, 0.1)] {
+        let of_side = lights.iter().filter(|light| light.normal[1] * side > 0.5);
+        let found: f64 = of_side.map(|light| f64::from(light.flux[1])).sum();
+        let ratio = found / (0.5 * intensity * 2.0 * PI * (1.0 - f64::from(angle.cos())));
+        assert!((ratio - 1.0).abs() < 0.02, "side {side}: {ratio}");
+    }
 }
 
 fn assert_flux_of_photons(cases: &[(u32, &[&str])]) {
