@@ -1,23 +1,60 @@
-// The horizon of a virtual light under a normal map: light leaves a surface only to where both its own normal and the bent one face.
+// The horizon of a virtual light under a normal map: light leaves a surface only to where both its own normal and the bent one face. A
+// light that stands for many bent normals has their mean and how far they scatter, as mean-normal.wgsl has it.
 
+#import "mean-normal.wgsl"
 #import "virtual-lights.wgsl"
+
+/// The most that slopes of bent normals may scatter: of more, the mean has no direction.
+const MOST_DEVIATION: f32 = 2.0;
+
+/// Bent normals whose mean is longer than this differ from it by less than a byte says.
+const ONE_NORMAL: f32 = 1.0 - 1e-4;
 
 /// The kind of a light on a surface whose unit normal is bent to another one, or is the same.
 fn kind_on_surface(normal: vec3<f32>, bent: vec3<f32>) -> u32 {
     return select(ON_SURFACE, pack4x8snorm(vec4(bent, 0.0)), any(bent != normal));
 }
 
-/// The bent normal of a light under a normal map, of about unit length.
-fn normal_of_map(light: VirtualLight) -> vec3<f32> {
-    return unpack4x8snorm(light.kind).xyz;
+/// The kind of a light on a surface whose unit normal is bent to many, by their mean.
+fn kind_of_mean(normal: vec3<f32>, mean: vec3<f32>) -> u32 {
+    if dot(normal, mean) > ONE_NORMAL {
+        return ON_SURFACE;
+    }
+    let size = clamp(length(mean), 1e-3, 1.0);
+    let deviation = select(min(deviation_of(size) / MOST_DEVIATION, 1.0), 0.0, size > ONE_NORMAL);
+    return pack4x8snorm(vec4(mean / size, deviation));
 }
 
-/// Whether a light on a surface sends anything along a way of any length.
-fn is_above_horizon(light: VirtualLight, way: vec3<f32>) -> bool {
-    return light.kind == ON_SURFACE || dot(normal_of_map(light), way) >= 0.0;
+/// The mean of the bent normals of a light on a surface.
+fn mean_of_bent_normals(light: VirtualLight) -> vec3<f32> {
+    if light.kind == ON_SURFACE {
+        return light.normal;
+    }
+    let packed = unpack4x8snorm(light.kind);
+    let deviation = packed.w * MOST_DEVIATION;
+    return normalize(packed.xyz) / (1.0 + deviation * deviation);
 }
 
-/// The share of the light of a Lambertian surface that leaves above the horizon of a bent unit normal: (1 + cosα) / 2.
+/// The share of a light on a surface that goes along a way of any length: 1, or 0 below the horizon, and between them where its
+/// bent normals differ.
+fn share_along(light: VirtualLight, way: vec3<f32>) -> f32 {
+    if light.kind == ON_SURFACE {
+        return 1.0;
+    }
+    let packed = unpack4x8snorm(light.kind);
+    let cosine = dot(packed.xyz, way);
+    if packed.w <= 0.0 {
+        return select(0.0, 1.0, cosine >= 0.0);
+    }
+    let across = length(way - cosine * packed.xyz);
+    let small = packed.w * MOST_DEVIATION;
+    // That of slopes of any size, to 1 % of the light up to slopes of 1.
+    let deviation = small + 0.8 * small * small * small;
+    return share_below(cosine / max(deviation * across, 1e-30));
+}
+
+/// The share of the light of a Lambertian surface that leaves above the horizon of a bent unit normal, (1 + cosα) / 2; or of many,
+/// by their mean.
 fn share_above(normal: vec3<f32>, bent: vec3<f32>) -> f32 {
     return 0.5 + 0.5 * dot(normal, bent);
 }
@@ -27,5 +64,5 @@ fn share_above_horizon(light: VirtualLight) -> f32 {
     if light.kind == ON_SURFACE || light.kind == INFINITELY_FAR {
         return 1.0;
     }
-    return share_above(light.normal, normalize(normal_of_map(light)));
+    return share_above(light.normal, mean_of_bent_normals(light));
 }

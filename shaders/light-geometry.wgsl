@@ -29,7 +29,8 @@ fn light_geometry(
         return vec2(max(-dot(normal, light.normal), 0.0), 0.0);
     }
     let offset = at - light.position;
-    if !is_above_horizon(light, offset) {
+    let along = share_along(light, offset);
+    if along == 0.0 {
         return vec2(0.0);
     }
     // Below the rounding of positions, neither the distance nor the light's direction is meaningful.
@@ -44,7 +45,7 @@ fn light_geometry(
     let near = clamp * scene_info.dense_extent;
     let distance2 = max(dot(offset, offset), rounding * rounding);
     let share = min(distance2 / max(near * near, 1e-37), 1.0);
-    return vec2(terms.x * share, terms.y + terms.x * (1.0 - share));
+    return along * vec2(terms.x * share, terms.y + terms.x * (1.0 - share));
 }
 
 /// Whether a light is before a plane through a receiver: no light arrives from behind it, even where a bent normal faces the light.

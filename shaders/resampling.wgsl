@@ -40,9 +40,9 @@ fn contribution(by: Target, light: VirtualLight, receiver: Receiver) -> f32 {
     }
     let offset = receiver.at - light.position;
     let least = by.bound * by.bound * light.area;
-    var term = 0.0;
-    if is_above_horizon(light, offset) {
-        term = bounded_geometry(offset, light.normal, receiver.normal, 1e-6 * scene_info.extent, least, 0.0).x;
+    var term = share_along(light, offset);
+    if term > 0.0 {
+        term *= bounded_geometry(offset, light.normal, receiver.normal, 1e-6 * scene_info.extent, least, 0.0).x;
     }
     return weight_of(luminance(light.flux) * (term + by.least * term_at_extent()));
 }

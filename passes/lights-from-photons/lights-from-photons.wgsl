@@ -16,6 +16,8 @@
 #input unmoved: VirtualLights // Any history buffer that begins again where lights or surfaces move: its age alone is read.
 #output lights: VirtualLights(count: points.count) // A light for each point; dark where there is none.
 
+#option NORMAL_MAPPED false // whether any material of the scene has a normal map
+
 #import "algorithms/scaled.wgsl"
 #import "dispatch.wgsl"
 #import "horizon.wgsl"
@@ -59,16 +61,23 @@ var<storage, read> past: VirtualLights;
 /// [scratch, cleared]
 var<storage, read_write> measured: Measured;
 /// For each point, sums of two words, low and high: red, green and blue of its photons that would have counted in the frame before,
-/// of its others, and of what is handed on to it. [scratch, count: points.count, cleared]
-var<storage, read_write> sums: array<array<atomic<u32>, 18>>;
+/// of its others, and of what is handed on to it; and the same of bent normals. [scratch, count: points.count, cleared]
+var<storage, read_write> sums: array<array<atomic<u32>, WORDS>>;
 /// For each light of the frame before, the weight of its photons in two words. [scratch, count: before.count, cleared]
 var<storage, read_write> weights_before: array<array<atomic<u32>, 2>>;
 var<storage, read_write> lights: VirtualLights;
 
-/// Places of the sums of a channel c: AGAIN + c, FIRST + c and HANDED + c.
+/// Places of the sums of a channel c: AGAIN + c, FIRST + c and HANDED + c; of bent normals, NORMALS more.
 const AGAIN: u32 = 0u;
 const FIRST: u32 = 3u;
 const HANDED: u32 = 6u;
+const NORMALS: u32 = 9u;
+
+#if NORMAL_MAPPED
+const WORDS: u32 = 36u;
+#else
+const WORDS: u32 = 18u;
+#endif
 
 /// Binary places of a sum below the leading one of the largest number in it: 2^25 of these fit.
 const PLACES: i32 = 36;
@@ -91,8 +100,7 @@ fn flux_of(photon: u32) -> vec3<f32> {
     if owners[photon] >= settings.points_count && owners_before[photon] >= settings.before_count {
         return vec3(0.0);
     }
-    let light = photons.lights[photon];
-    return weights_of(light.flux * share_above_horizon(light));
+    return weights_of(photons.lights[photon].flux);
 }
 
 fn largest(flux: vec3<f32>) -> u32 {
@@ -151,6 +159,14 @@ fn add(point: u32, place: u32, flux: vec3<f32>, unit: i32) {
     }
 }
 
+/// Adds the flux of a light to a point, and its bent normals: from -1 to 1 as from 0 to the weight of its flux.
+fn add_light(point: u32, place: u32, flux: vec3<f32>, light: VirtualLight, unit: i32) {
+    add(point, place, flux, unit);
+#if NORMAL_MAPPED
+    add(point, NORMALS + place, weight(flux) * (0.5 + 0.5 * mean_of_bent_normals(light)), unit);
+#endif
+}
+
 /// How much of what a light had goes with a photon: a quarter of its power, so that three channels add up in range.
 fn weight(flux: vec3<f32>) -> f32 {
     return flux.r * 0.25 + flux.g * 0.25 + flux.b * 0.25;
@@ -171,7 +187,7 @@ fn share(row: Row) {
     let owner = owners[index];
     let old = owners_before[index];
     if owner < settings.points_count {
-        add(owner, select(FIRST, AGAIN, old < settings.before_count), flux, unit);
+        add_light(owner, select(FIRST, AGAIN, old < settings.before_count), flux, photons.lights[index], unit);
     }
     if old < settings.before_count {
         let parts = words(weight(flux), unit);
@@ -201,7 +217,8 @@ fn hand_on(row: Row) {
     if any(flux > vec3(0.0)) && owner < settings.points_count && is_before(old) {
         let all = weight_before(old);
         if all > 0.0 {
-            add(owner, HANDED, past.lights[old].flux * min(weight(flux) / all, 1.0), unit_of(atomicLoad(&measured.past)));
+            let light = past.lights[old];
+            add_light(owner, HANDED, light.flux * min(weight(flux) / all, 1.0), light, unit_of(atomicLoad(&measured.past)));
         }
     }
 }
@@ -215,7 +232,8 @@ fn bequeath(row: Row) {
         return;
     }
     if before.points[index].mark == 0u && weight_before(index) == 0.0 {
-        add(heirs[index], HANDED, past.lights[index].flux, unit_of(atomicLoad(&measured.past)));
+        let light = past.lights[index];
+        add_light(heirs[index], HANDED, light.flux, light, unit_of(atomicLoad(&measured.past)));
     }
 }
 
@@ -228,14 +246,14 @@ fn sum(point: u32, place: u32, unit: i32) -> vec3<f32> {
     return flux;
 }
 
-/// The flux of a point. Every light counts its frame alike: if new lights followed faster than those whose flux they took a part
-/// of, the sum would not stay.
-fn flux_at(index: u32) -> vec3<f32> {
+/// The mean over frames of what a point has. Every light counts its frame alike: if new lights followed faster than those whose flux
+/// they took a part of, the sum would not stay. `first` is 0 for flux, and NORMALS.
+fn mean_over_frames(index: u32, first: u32) -> vec3<f32> {
     let unit = unit_of(atomicLoad(&measured.fresh));
-    let handed = sum(index, HANDED, unit_of(atomicLoad(&measured.past)));
+    let handed = sum(index, first + HANDED, unit_of(atomicLoad(&measured.past)));
     let frames = min(min(settings.past_age + 1u, settings.unmoved_age + settings.moving_frames), settings.frames);
     let share = 1.0 / f32(max(frames, 1u));
-    return handed * (1.0 - share) + sum(index, AGAIN, unit) * share + sum(index, FIRST, unit);
+    return handed * (1.0 - share) + sum(index, first + AGAIN, unit) * share + sum(index, first + FIRST, unit);
 }
 
 /// Makes a light in each thread. [threads: points.count]
@@ -253,7 +271,13 @@ fn make_lights(row: Row) {
         light.position = points.points[index].position;
         light.normal = points.points[index].normal;
         light.area = weight_of(1.0 / (f32(atomicLoad(&measured.points)) * density[index]));
-        light.flux = flux_at(index);
+        light.flux = mean_over_frames(index, 0u);
+#if NORMAL_MAPPED
+        let all = weight(light.flux);
+        if all > 0.0 {
+            light.kind = kind_of_mean(light.normal, clamp(2.0 * mean_over_frames(index, NORMALS) / all - 1.0, vec3(-1.0), vec3(1.0)));
+        }
+#endif
     }
     lights.lights[index] = light;
     if index == 0u {

@@ -229,11 +229,15 @@ fn reflection(map: u32, texel: vec2<u32>) -> VirtualLight {
         return made;
     }
     let direction = normalize(frame * ray.direction);
-    if light.kind != INFINITELY_FAR && !is_above_horizon(light, direction) {
+    let is_far = light.kind == INFINITELY_FAR;
+    var share = share_of_texel(light, at);
+    if !is_far {
+        share *= share_along(light, direction);
+    }
+    if share == 0.0 {
         return made;
     }
     let vertex = vertex_on_triangle(point.triangle, corners.yz / sum, direction);
-    let is_far = light.kind == INFINITELY_FAR;
     let across = select(distance(vertex.position, light.position), 1.0, is_far);
     let area = select(paraboloid_density(at) * texel_area(settings.map), share_of_texel(light, at), is_far) * across * across;
     made.position = vertex.position;
@@ -242,7 +246,7 @@ fn reflection(map: u32, texel: vec2<u32>) -> VirtualLight {
     made.area = area / max(-dot(vertex.geometric, direction), 0.1);
     made.kind = kind_on_surface(vertex.geometric, vertex.normal);
     let albedo = vertex.surface.albedo * lit_share(vertex.normal, vertex.geometric, -direction);
-    made.flux = weights_of(light.flux * share_of_texel(light, at) * albedo);
+    made.flux = weights_of(light.flux * share * albedo);
     return made;
 }
 

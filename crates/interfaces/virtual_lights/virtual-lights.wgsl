@@ -4,7 +4,7 @@
 // Φ cosθ cosθ' V / (π d²), and none below the horizon of the normal that a normal map bends there (horizon.wgsl). A light infinitely
 // far gives Φ cosθ V, where Φ is the irradiance across its direction [W/m²].
 
-/// Values of `VirtualLight.kind`; all others are bent normals of lights on surfaces.
+/// Values of `VirtualLight.kind`; all others are bent normals of lights on surfaces (horizon.wgsl).
 const ON_SURFACE: u32 = 0u;
 const INFINITELY_FAR: u32 = 1u;
 
@@ -21,7 +21,7 @@ struct VirtualLight {
     texel: u32,
     /// Flux Φ [W], of which what is below the horizon does not leave; of a light infinitely far, irradiance [W/m²].
     flux: vec3<f32>,
-    /// INFINITELY_FAR; or ON_SURFACE, in place of which stands the bent normal of a light under a normal map.
+    /// INFINITELY_FAR; or ON_SURFACE, in place of which stands the bent normal of a light under a normal map, or the mean of several.
     kind: u32,
 }
 
