@@ -15,8 +15,10 @@ fn kind_on_surface(normal: vec3<f32>, bent: vec3<f32>) -> u32 {
     return select(ON_SURFACE, pack4x8snorm(vec4(bent, 0.0)), any(bent != normal));
 }
 
-/// The kind of a light on a surface whose unit normal is bent to many, by their mean.
-fn kind_of_mean(normal: vec3<f32>, mean: vec3<f32>) -> u32 {
+/// The kind of a light on a surface that is bent in many ways, by the mean of what normal maps add to its unit normals. What these
+/// themselves differ by, where the surface is curved, has no part in it.
+fn kind_of_bend(normal: vec3<f32>, bend: vec3<f32>) -> u32 {
+    let mean = normal + bend;
     if dot(normal, mean) > ONE_NORMAL {
         return ON_SURFACE;
     }
@@ -33,6 +35,11 @@ fn mean_of_bent_normals(light: VirtualLight) -> vec3<f32> {
     let packed = unpack4x8snorm(light.kind);
     let deviation = packed.w * MOST_DEVIATION;
     return normalize(packed.xyz) / (1.0 + deviation * deviation);
+}
+
+/// The mean of what normal maps add to the normal of a light on a surface.
+fn bend_of(light: VirtualLight) -> vec3<f32> {
+    return mean_of_bent_normals(light) - light.normal;
 }
 
 /// The share of a light on a surface that goes along a way of any length: 1, or 0 below the horizon, and between them where its

@@ -56,6 +56,11 @@ fn halves(pipeline: &str, scene: &Scene, output: &str, values: &[&str], seeds: u
     Some(sums.map(|sum| sum / f64::from(seeds)))
 }
 
+/// How far the light of a pipeline may be from path tracing's. A cluster sends the light of many texels from one place.
+fn tolerance(pipeline: &str) -> f64 {
+    if pipeline == "acrsm" { 0.15 } else { 0.04 }
+}
+
 /// Light leaves a surface only to where its bent normal faces: the wall on the other side gets a small part of it.
 #[test]
 fn light_leaves_to_where_bent_normals_face() {
@@ -63,8 +68,9 @@ fn light_leaves_to_where_bent_normals_face() {
     let scene = between_walls(&floor, [0.0, -1.0, 0.0]);
     let few = ["rsm.size=128", "lights=1024", "supersampling=1"];
     let photons = ("instant-radiosity", &["lights=2048", "supersampling=1"][..]);
+    let clusters = ("acrsm", &["rsm.size=128", "supersampling=1"][..]);
     let kept = ("smc-ir", &["lights=2048", "map=64", "supersampling=1"][..]);
-    let of_one_bounce = vec![("ism-invtm-ray-traced", &few[..]), ("reflective-shadow-maps", &few[..1]), photons, kept];
+    let of_one_bounce = vec![("ism-invtm-ray-traced", &few[..]), ("reflective-shadow-maps", &few[..1]), clusters, photons, kept];
     for (bounces, pipelines) in [("1", of_one_bounce), ("3", vec![photons])] {
         let count = format!("bounces={bounces}");
         let values = ["samples=256", "samples_per_frame=64", "filter=centre", &count];
@@ -80,7 +86,7 @@ fn light_leaves_to_where_bent_normals_face() {
             let found = halves(pipeline, &scene, "indirect", &values, 4).expect("an adapter");
             let ratios = [found[0] / left, found[1] / right];
             eprintln!("RATIO {pipeline}, {bounces}: {ratios:.3?}");
-            assert!(ratios.iter().all(|ratio| (ratio - 1.0).abs() < 0.04), "{pipeline}, {bounces}: {ratios:?}");
+            assert!(ratios.iter().all(|ratio| (ratio - 1.0).abs() < tolerance(pipeline)), "{pipeline}, {bounces}: {ratios:?}");
         }
     }
 }
@@ -116,12 +122,13 @@ fn normals_finer_than_pixels_keep_their_light() {
         let Some(truth) = halves("reference", &scene, output, &values, 1) else { return };
         let texels = ("ism-invtm-ray-traced", &["rsm.size=128", "lights=1024", "supersampling=1"][..]);
         let photons = ("smc-ir", &["bounces=1", "lights=1024", "map=64", "supersampling=1"][..]);
-        let pipelines = if output == "direct" { vec![texels] } else { vec![texels, photons] };
+        let clusters = ("acrsm", &["rsm.size=128", "supersampling=1"][..]);
+        let pipelines = if output == "direct" { vec![texels] } else { vec![texels, clusters, photons] };
         for (pipeline, values) in pipelines {
             let found = halves(pipeline, &scene, output, values, 4).expect("an adapter");
             let ratios = [found[0] / truth[0], found[1] / truth[1]];
             eprintln!("RATIO {pipeline}, {output}: {ratios:.3?}");
-            assert!(ratios.iter().all(|ratio| (ratio - 1.0).abs() < 0.04), "{pipeline}, {output}: {ratios:?}");
+            assert!(ratios.iter().all(|ratio| (ratio - 1.0).abs() < tolerance(pipeline)), "{pipeline}, {output}: {ratios:?}");
         }
     }
 }

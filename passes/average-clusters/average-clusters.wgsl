@@ -13,12 +13,16 @@
     // of the circle around its centre through its farthest texel (ACRSM §4.7), which is 1.5 to 2 times as large for cells that
     // fit together, and grows with a single texel.
 #option IMPORTANCE false // whether importance is averaged
+#option NORMAL_MAPPED false // whether any material of the scene has a normal map
 
 #import "algorithms/workgroup.wgsl"
 #import "cluster-count.wgsl"
 #import "clustering.wgsl"
 #import "color.wgsl"
 #import "dispatch.wgsl"
+#if NORMAL_MAPPED
+#import "octahedron.wgsl"
+#endif
 #if IMPORTANCE
 #import interface "importance"
 #endif
@@ -75,12 +79,17 @@ struct Sums {
     flux: vec4<f32>,
     /// Place in the layer [texels].
     uv: vec4<f32>,
+#if NORMAL_MAPPED
+    /// What a normal map adds to the normal, times the luminance of the flux; and that [W].
+    bend: vec4<f32>,
+#endif
 }
 
 /// Returns the summand of a texel.
 fn summand(texel: vec2<u32>, old: Cluster) -> Sums {
     let position = textureLoad(rsm_position, texel, old.layer, 0).xyz;
-    let normal = direction_of(textureLoad(rsm_normal, texel, old.layer, 0).xyz);
+    let normals = textureLoad(rsm_normal, texel, old.layer, 0);
+    let normal = direction_of(normals.xyz);
     let flux = textureLoad(rsm_flux, texel, old.layer, 0);
     let uv = vec2<f32>(texel) + 0.5 - old.uv;
 #if IMPORTANCE
@@ -88,23 +97,41 @@ fn summand(texel: vec2<u32>, old: Cluster) -> Sums {
 #else
     let importance = 1.0;
 #endif
+#if NORMAL_MAPPED
+    let weight = luminance(flux_of(flux.rgb));
+    var bend = vec4(0.0, 0.0, 0.0, weight);
+    if normals.w != 0.0 {
+        bend = vec4(weight * (direction_from_half_float(normals.w) - normal), weight);
+    }
+#endif
     return Sums(
         vec4(position - old.position, importance),
         vec4(normal, weight_of(flux.a)),
         vec4(flux_of(flux.rgb), 1.0),
         vec4(uv, 0.0, 0.0),
+#if NORMAL_MAPPED
+        bend,
+#endif
     );
 }
 
 fn added(a: Sums, b: Sums) -> Sums {
-    return Sums(a.place + b.place, a.surface + b.surface, a.flux + b.flux, a.uv + b.uv);
+    return Sums(
+        a.place + b.place,
+        a.surface + b.surface,
+        a.flux + b.flux,
+        a.uv + b.uv,
+#if NORMAL_MAPPED
+        a.bend + b.bend,
+#endif
+    );
 }
 
 /// Texels that a thread sums before it adds them to the others: in one run, small ones are lost beside the sum of many.
 const PART: u32 = 64u;
 
 /// Length of the mean of unit normals below which it has no direction: that of the rounding of half floats.
-const LEAST_NORMAL: f32 = 1e-3;
+const LEAST_MEAN: f32 = 1e-3;
 
 /// The centre that these sums of at least one texel give.
 fn centre_of(sums: Sums, old: Cluster) -> Cluster {
@@ -113,11 +140,14 @@ fn centre_of(sums: Sums, old: Cluster) -> Cluster {
     centre.position = old.position + sums.place.xyz / texels;
     centre.importance = sums.place.w / texels;
     let normal = sums.surface.xyz / texels;
-    if length(normal) > LEAST_NORMAL {
+    if length(normal) > LEAST_MEAN {
         centre.normal = normalize(normal);
     }
     centre.uv = old.uv + sums.uv.xy / texels;
     centre.flux = sums.flux.rgb;
+#if NORMAL_MAPPED
+    centre.bend = select(vec3(0.0), sums.bend.xyz / sums.bend.w, sums.bend.w > 0.0);
+#endif
     centre.texels = u32(texels);
     return centre;
 }
@@ -174,6 +204,9 @@ fn average(row: Row) {
     sums.surface = workgroup_sum4(thread, sums.surface);
     sums.flux = workgroup_sum4(thread, sums.flux);
     sums.uv = workgroup_sum4(thread, sums.uv);
+#if NORMAL_MAPPED
+    sums.bend = workgroup_sum4(thread, sums.bend);
+#endif
     let has_texels = sums.flux.w > 0.0;
 
     var centre = centre_of(sums, old);

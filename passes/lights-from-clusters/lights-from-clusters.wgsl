@@ -11,6 +11,8 @@
 #option ENERGY texels one_of [texels, centre] // The source of the flux of a light, before all are scaled to the flux of the map. texels: that of all its texels. centre: that of the texel at its centre, as many times as it has texels (ACRSM §4.7); where albedo is textured, a light then has the color of one place.
 #option PLACE mean one_of [mean, texel] // The position of a light. mean: at the mean of its texels (ACRSM §4.7), which lies within or before the surfaces where a cluster goes around an edge. texel: on a surface, at the texel that is nearest to the mean place in the map.
 
+#option NORMAL_MAPPED false // whether any material of the scene has a normal map
+
 #import "algorithms/sum-vec4.wgsl"
 #import "cluster-count.wgsl"
 #import "clustering.wgsl"
@@ -91,5 +93,11 @@ fn make_lights(row: Row) {
 #else
     let position = cluster.position;
 #endif
-    lights.lights[i] = VirtualLight(position, area, cluster.normal, cluster.texel, flux, ON_SURFACE);
+    var light = VirtualLight(position, area, cluster.normal, cluster.texel, flux, ON_SURFACE);
+#if NORMAL_MAPPED
+    light.kind = kind_of_bend(light.normal, cluster.bend);
+    // Texels have the flux that leaves above their horizons.
+    light.flux = min(light.flux / max(share_above_horizon(light), 1e-3), vec3(1e37));
+#endif
+    lights.lights[i] = light;
 }

@@ -61,17 +61,17 @@ var<storage, read> past: VirtualLights;
 /// [scratch, cleared]
 var<storage, read_write> measured: Measured;
 /// For each point, sums of two words, low and high: red, green and blue of its photons that would have counted in the frame before,
-/// of its others, and of what is handed on to it; and the same of bent normals. [scratch, count: points.count, cleared]
+/// of its others, and of what is handed on to it; and the same of what normal maps add to normals. [scratch, count: points.count, cleared]
 var<storage, read_write> sums: array<array<atomic<u32>, WORDS>>;
 /// For each light of the frame before, the weight of its photons in two words. [scratch, count: before.count, cleared]
 var<storage, read_write> weights_before: array<array<atomic<u32>, 2>>;
 var<storage, read_write> lights: VirtualLights;
 
-/// Places of the sums of a channel c: AGAIN + c, FIRST + c and HANDED + c; of bent normals, NORMALS more.
+/// Places of the sums of a channel c: AGAIN + c, FIRST + c and HANDED + c; of what normal maps add, BENDS more.
 const AGAIN: u32 = 0u;
 const FIRST: u32 = 3u;
 const HANDED: u32 = 6u;
-const NORMALS: u32 = 9u;
+const BENDS: u32 = 9u;
 
 #if NORMAL_MAPPED
 const WORDS: u32 = 36u;
@@ -159,11 +159,11 @@ fn add(point: u32, place: u32, flux: vec3<f32>, unit: i32) {
     }
 }
 
-/// Adds the flux of a light to a point, and its bent normals: from -1 to 1 as from 0 to the weight of its flux.
+/// Adds the flux of a light to a point, and what a normal map adds to its normal: from -2 to 2 as from 0 to the weight of its flux.
 fn add_light(point: u32, place: u32, flux: vec3<f32>, light: VirtualLight, unit: i32) {
     add(point, place, flux, unit);
 #if NORMAL_MAPPED
-    add(point, NORMALS + place, weight(flux) * (0.5 + 0.5 * mean_of_bent_normals(light)), unit);
+    add(point, BENDS + place, weight(flux) * (0.5 + 0.25 * bend_of(light)), unit);
 #endif
 }
 
@@ -247,7 +247,7 @@ fn sum(point: u32, place: u32, unit: i32) -> vec3<f32> {
 }
 
 /// The mean over frames of what a point has. Every light counts its frame alike: if new lights followed faster than those whose flux
-/// they took a part of, the sum would not stay. `first` is 0 for flux, and NORMALS.
+/// they took a part of, the sum would not stay. `first` is 0 for flux, and BENDS.
 fn mean_over_frames(index: u32, first: u32) -> vec3<f32> {
     let unit = unit_of(atomicLoad(&measured.fresh));
     let handed = sum(index, first + HANDED, unit_of(atomicLoad(&measured.past)));
@@ -275,7 +275,7 @@ fn make_lights(row: Row) {
 #if NORMAL_MAPPED
         let all = weight(light.flux);
         if all > 0.0 {
-            light.kind = kind_of_mean(light.normal, clamp(2.0 * mean_over_frames(index, NORMALS) / all - 1.0, vec3(-1.0), vec3(1.0)));
+            light.kind = kind_of_bend(light.normal, 4.0 * (mean_over_frames(index, BENDS) / all - 0.5));
         }
 #endif
     }

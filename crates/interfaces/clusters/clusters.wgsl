@@ -46,6 +46,9 @@ struct Cluster {
     delta: f32,
     /// Mean of δ over the neighbours, ACRSM Eq. 4.7; 0 before it is evaluated.
     mean_delta: f32,
+    /// What a normal map adds to the unit normals of its texels: the mean by their flux.
+    bend: vec3<f32>,
+    pad0: u32,
 }
 
 /// Properties of all clusters.

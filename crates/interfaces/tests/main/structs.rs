@@ -137,7 +137,7 @@ fn clusters_come_out_of_their_buffer() {
     let cx = pass_test::use_context();
     let bytes = |count| clusters::output(&cx, "clusters", count).unwrap().members[0].1.clone();
     assert_eq!(bytes(0), pass::ResourceDesc::buffer(size_of::<ClustersHeader>() as u64));
-    assert_eq!(bytes(3), pass::ResourceDesc::buffer(80 + 3 * 96));
+    assert_eq!(bytes(3), pass::ResourceDesc::buffer(80 + 3 * 112));
     let header =
         ClustersHeader { merged: 4, greatest_area: 2.5, map_flux: [1.0, 2.0, 3.0], ..Default::default() };
     let cluster =

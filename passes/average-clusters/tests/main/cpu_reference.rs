@@ -57,7 +57,7 @@ pub(crate) struct Summary {
 }
 
 /// Length of the mean of unit normals below which it has no direction.
-const LEAST_NORMAL: f64 = 1e-3;
+const LEAST_MEAN: f64 = 1e-3;
 
 /// Returns the cluster `index` with its texels in `map`; `None` where it has none.
 pub(crate) fn average(index: u32, old: &Cluster, map: &[u32], rsm: &Texels, area: Area) -> Option<Averaged> {
@@ -72,7 +72,7 @@ pub(crate) fn average(index: u32, old: &Cluster, map: &[u32], rsm: &Texels, area
     let share = 1.0 / own.len() as f64;
     let position = share * own.iter().map(|(_, _, texel)| texel.position).sum::<DVec3>();
     let normal = share * own.iter().map(|(_, _, texel)| texel.normal).sum::<DVec3>();
-    let has_direction = normal.length() > LEAST_NORMAL;
+    let has_direction = normal.length() > LEAST_MEAN;
     let uv = share * own.iter().map(|(_, uv, _)| uv).sum::<DVec2>();
     let nearest = own.iter().min_by(|a, b| a.1.distance(uv).total_cmp(&b.1.distance(uv)))?;
     let radius = own.iter().map(|(_, _, texel)| texel.position.distance(position)).fold(0.0, f64::max);
