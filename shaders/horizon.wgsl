@@ -19,12 +19,13 @@ fn kind_on_surface(normal: vec3<f32>, bent: vec3<f32>) -> u32 {
 /// themselves differ by, where the surface is curved, has no part in it.
 fn kind_of_bend(normal: vec3<f32>, bend: vec3<f32>) -> u32 {
     let mean = normal + bend;
-    if dot(normal, mean) > ONE_NORMAL {
+    let size = min(length(mean), 1.0);
+    // Normals that cancel each other have no mean.
+    if dot(normal, mean) > ONE_NORMAL || size < 0.01 {
         return ON_SURFACE;
     }
-    let size = clamp(length(mean), 1e-3, 1.0);
     let deviation = select(min(deviation_of(size) / MOST_DEVIATION, 1.0), 0.0, size > ONE_NORMAL);
-    return pack4x8snorm(vec4(mean / size, deviation));
+    return pack4x8snorm(vec4(normalize(mean), deviation));
 }
 
 /// The mean of the bent normals of a light on a surface.
