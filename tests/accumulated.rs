@@ -26,7 +26,10 @@ fn step(renderer: &Renderer) -> u32 {
 #[test]
 fn the_first_sample_is_the_picture_without_accumulation() {
     let Some(mut mean) = accumulated("frames=4") else { return };
-    let Some(mut single) = renderer("ism-invtm", "cornell-box", SIZE, &[FEW, &["supersampling=1"]].concat()) else { return };
+    let Some(mut single) = renderer("ism-invtm", "cornell-box", SIZE, &[FEW, &["supersampling=1"]].concat())
+    else {
+        return;
+    };
     mean.frame().unwrap();
     single.frame().unwrap();
     for output in ["direct", "indirect", "image"] {
@@ -105,7 +108,9 @@ fn a_sample_runs_what_differs_between_samples_alone() {
         ("ism-invtm-accumulated", &["rsm"][..], &of_maps[..]),
         ("restir-vpl-accumulated", &["rsm", "flux", "sums"], &["propose", "near"]),
     ] {
-        let Some(mut renderer) = crate::adapter::renderer(pipeline, "cornell-box-lights", SIZE, FEW) else { return };
+        let Some(mut renderer) = crate::adapter::renderer(pipeline, "cornell-box-lights", SIZE, FEW) else {
+            return;
+        };
         renderer.frame().unwrap();
         renderer.frame().unwrap();
         let ran = renderer.frame().unwrap().ran.clone();

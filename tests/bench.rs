@@ -70,7 +70,10 @@ fn all_that_can_be_measured_is() {
         assert!(spread(row)[0] > 0.0 || row["scene"] == "roofline", "{row}");
     }
     let findings = json["findings"].as_array().unwrap();
-    assert!(findings.iter().all(|finding| finding["scenes"][0] == "roofline"), "goals are for whole sizes: {json}");
+    assert!(
+        findings.iter().all(|finding| finding["scenes"][0] == "roofline"),
+        "goals are for whole sizes: {json}"
+    );
 }
 
 /// Both kinds of search find the same, and what is counted is what the scenes say.
@@ -82,7 +85,8 @@ fn rays_are_counted() {
     let json = json(&["rays", "--scene", "plane"]);
     let rows = rows(&json, "rays");
     let count = |name: &str, key: &str| -> u64 {
-        let row = rows.iter().find(|row| row["pipeline"] == name).unwrap_or_else(|| panic!("{name} in {rows:?}"));
+        let row =
+            rows.iter().find(|row| row["pipeline"] == name).unwrap_or_else(|| panic!("{name} in {rows:?}"));
         row["details"]["counts"][key].as_u64().unwrap()
     };
     for scene in ["cornell-box", "atrium", "plane"] {
@@ -170,14 +174,19 @@ fn passes_are_held_against_ceilings() {
     for ceiling in ceilings {
         assert!(spread(ceiling)[0] > 0.0, "{ceiling}");
     }
-    let wholes: Vec<&Value> = frames.iter().copied().filter(|row| row["details"]["from"] == "all passes").collect();
+    let wholes: Vec<&Value> =
+        frames.iter().copied().filter(|row| row["details"]["from"] == "all passes").collect();
     assert_eq!(wholes.len(), 3);
     for row in frames {
         let at_least = at_least(&json, &name(row));
         assert!(0.0 < at_least && at_least.is_finite(), "{row}");
         let counts = row["details"]["counts"].as_object().unwrap();
         assert!(counts.values().all(|count| count.as_u64().is_some_and(|count| count > 0)), "{row}");
-        assert!(row["details"]["from"] == "all passes" || counts.contains_key(row["details"]["from"].as_str().unwrap()), "{row}");
+        assert!(
+            row["details"]["from"] == "all passes"
+                || counts.contains_key(row["details"]["from"].as_str().unwrap()),
+            "{row}"
+        );
     }
     for whole in &wholes {
         // What a frame takes beyond its bound is what the table shows; below it can only be noise, as where other tests
@@ -204,7 +213,8 @@ fn passes_are_held_against_ceilings() {
 
 /// Returns what a row can take at least.
 fn at_least(json: &Value, row: &str) -> f64 {
-    let bounds = json["findings"].as_array().unwrap().iter().map(|finding| &finding["claim"]["relation"]["bound"]);
+    let bounds =
+        json["findings"].as_array().unwrap().iter().map(|finding| &finding["claim"]["relation"]["bound"]);
     let bound = bounds.clone().find(|bound| bound["of"]["pipeline"] == row);
     bound.unwrap_or_else(|| panic!("{row}: {json}"))["at_least"].as_f64().unwrap()
 }

@@ -8,8 +8,7 @@ use scene::Camera;
 const SIZE: (u32, u32) = (32, 24);
 
 /// All lights at each pixel, so that pixels differ by their maps alone; few points, so that maps have holes.
-const SET: &[&str] =
-    &["lights=64", "rsm.size=64", "map=64", "interleave_x=1", "interleave_y=1"];
+const SET: &[&str] = &["lights=64", "rsm.size=64", "map=64", "interleave_x=1", "interleave_y=1"];
 
 fn maps(pipeline: &str, scene: &str, fill: &str) -> Option<Renderer> {
     let mut renderer = renderer(pipeline, scene, SIZE, &[SET, &[fill]].concat())?;
@@ -29,7 +28,8 @@ fn next(renderer: &mut Renderer) -> Image {
 fn maps_of_lights_that_stay_come_nearer_to_rays() {
     for (scene, at_most) in [("atrium-spot", 0.6), ("cornell-box", 1.0)] {
         let all = [("ism", "fill=64"), ("ism", "fill=0"), ("ism-ray-traced", "fill=0")];
-        let [Some(mut filling), Some(mut anew), Some(mut rays)] = all.map(|(name, fill)| maps(name, scene, fill))
+        let [Some(mut filling), Some(mut anew), Some(mut rays)] =
+            all.map(|(name, fill)| maps(name, scene, fill))
         else {
             return;
         };

@@ -151,7 +151,8 @@ fn frames_that_settle_leave_out_what_they_do_not_need() {
         // Where maps catch up, several frames are expected from the beginning.
         let first = if pipeline == "smc-ir" { partial } else { whole };
         assert_eq!(ran, [first, partial, partial, partial, whole], "{pipeline}");
-        let mut plain = renderer(pipeline, "cornell-box", (20, 15), values).expect("the adapter is still there");
+        let mut plain =
+            renderer(pipeline, "cornell-box", (20, 15), values).expect("the adapter is still there");
         for _ in 0..ran.len() {
             plain.set_frame_index(0);
             plain.frame().unwrap();

@@ -6,7 +6,8 @@ use metrics::Image;
 
 /// The direct light of the lamp, by virtual lights.
 fn direct(values: &[&str]) -> Option<Image> {
-    let mut renderer = renderer("ism-area-light", "cornell-box-lamp", (48, 48), &[&["supersampling=1"], values].concat())?;
+    let mut renderer =
+        renderer("ism-area-light", "cornell-box-lamp", (48, 48), &[&["supersampling=1"], values].concat())?;
     Some(shown(&mut renderer, "direct"))
 }
 

@@ -242,7 +242,11 @@ fn a_name_leads_to_its_declaration() {
     let gather = std::fs::read_to_string(root().join("passes/gather/gather.wgsl")).unwrap();
     for (from, to, expected) in [
         ("\"gather-lights.wgsl\"", "\"gather-‸lights.wgsl\"", "shaders/gather-lights.wgsl:1".to_owned()),
-        ("clamp: settings.clamp", "clamp: settings.cla‸mp", line("passes/gather/gather.wgsl", "    clamp: f32,")),
+        (
+            "clamp: settings.clamp",
+            "clamp: settings.cla‸mp",
+            line("passes/gather/gather.wgsl", "    clamp: f32,"),
+        ),
     ] {
         let at = editor.open("tree:passes/gather/gather.wgsl", &gather.replacen(from, to, 1));
         let found = editor.at("definition", "tree:passes/gather/gather.wgsl", &at, json!({}));

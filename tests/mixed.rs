@@ -18,7 +18,8 @@ fn irradiance(pipeline: &str, values: &[&str]) -> Option<Image> {
 #[test]
 fn maps_of_which_more_are_exact_come_nearer_to_rays() {
     let Some(rays) = irradiance("ism-invtm-ray-traced", &[]) else { return };
-    let error = |pipeline, values: &[&str]| rel_mse(&irradiance(pipeline, values).expect("an adapter"), &rays);
+    let error =
+        |pipeline, values: &[&str]| rel_mse(&irradiance(pipeline, values).expect("an adapter"), &rays);
     let none = error("ism-invtm", &["settle=false"]);
     // Not in the order of the lights: those that pixels choose most.
     let [few, all] = ["exact=16", "exact=64"].map(|exact| error("ism-mixed-maps", &[exact, "exact_map=128"]));

@@ -70,7 +70,13 @@ fn light_leaves_to_where_bent_normals_face() {
     let photons = ("instant-radiosity", &["lights=2048", "supersampling=1"][..]);
     let clusters = ("acrsm", &["rsm.size=128", "supersampling=1"][..]);
     let kept = ("smc-ir", &["lights=2048", "map=64", "supersampling=1"][..]);
-    let of_one_bounce = vec![("ism-invtm-ray-traced", &few[..]), ("reflective-shadow-maps", &few[..1]), clusters, photons, kept];
+    let of_one_bounce = vec![
+        ("ism-invtm-ray-traced", &few[..]),
+        ("reflective-shadow-maps", &few[..1]),
+        clusters,
+        photons,
+        kept,
+    ];
     for (bounces, pipelines) in [("1", of_one_bounce), ("3", vec![photons])] {
         let count = format!("bounces={bounces}");
         let values = ["samples=256", "samples_per_frame=64", "filter=centre", &count];
@@ -86,7 +92,10 @@ fn light_leaves_to_where_bent_normals_face() {
             let found = halves(pipeline, &scene, "indirect", &values, 4).expect("an adapter");
             let ratios = [found[0] / left, found[1] / right];
             eprintln!("RATIO {pipeline}, {bounces}: {ratios:.3?}");
-            assert!(ratios.iter().all(|ratio| (ratio - 1.0).abs() < tolerance(pipeline)), "{pipeline}, {bounces}: {ratios:?}");
+            assert!(
+                ratios.iter().all(|ratio| (ratio - 1.0).abs() < tolerance(pipeline)),
+                "{pipeline}, {bounces}: {ratios:?}"
+            );
         }
     }
 }
@@ -128,7 +137,10 @@ fn normals_finer_than_pixels_keep_their_light() {
             let found = halves(pipeline, &scene, output, values, 4).expect("an adapter");
             let ratios = [found[0] / truth[0], found[1] / truth[1]];
             eprintln!("RATIO {pipeline}, {output}: {ratios:.3?}");
-            assert!(ratios.iter().all(|ratio| (ratio - 1.0).abs() < tolerance(pipeline)), "{pipeline}, {output}: {ratios:?}");
+            assert!(
+                ratios.iter().all(|ratio| (ratio - 1.0).abs() < tolerance(pipeline)),
+                "{pipeline}, {output}: {ratios:?}"
+            );
         }
     }
 }

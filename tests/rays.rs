@@ -13,7 +13,8 @@ fn one_parameter_of_every_pipeline_that_traces() {
     let context = LinkContext { frame: SIZE, traits };
     // The values of the setting `rays` of all passes.
     let of = |pipeline: &str, values: &[&str]| -> Result<Vec<Value>, String> {
-        let resolved = resolve(pipeline, catalog.pipelines(), &set(values)).map_err(|error| error.to_string())?;
+        let resolved =
+            resolve(pipeline, catalog.pipelines(), &set(values)).map_err(|error| error.to_string())?;
         let graph = link(&resolved, &catalog, &context).map_err(|error| error.to_string())?;
         let plan = compile(&graph, &CompileOptions::default()).map_err(|error| error.to_string())?;
         Ok(plan.passes.iter().filter_map(|pass| pass.settings.0.get("rays").cloned()).collect())
@@ -60,7 +61,10 @@ fn queries_of_the_adapter_give_the_picture_of_the_hierarchy() {
         let (Some(auto), Some(query)) = (picture("rays=auto"), picture("rays=query")) else { return };
         let Some(hierarchy) = picture("rays=bvh") else { return };
         let [auto_bits, query_bits] = [&auto, &query].map(crate::adapter::bits);
-        assert!(auto_bits == query_bits, "{pipeline}, {scene}: queries are taken unless something else is said");
+        assert!(
+            auto_bits == query_bits,
+            "{pipeline}, {scene}: queries are taken unless something else is said"
+        );
         let error = rel_mse(&query, &hierarchy);
         assert!(error < bound, "{pipeline}, {scene}: relMSE {error:e}");
     }

@@ -113,9 +113,7 @@ fn at_rest_the_picture_converges_and_stands() {
     };
     done(&mut mean);
     let truth = indirect(&mean);
-    let error = |renderer: &Renderer| {
-        rel_mse(&indirect(renderer), &truth)
-    };
+    let error = |renderer: &Renderer| rel_mse(&indirect(renderer), &truth);
     renderer.frame().unwrap();
     let first = error(&renderer);
     for _ in 1..40 {

@@ -115,8 +115,13 @@ fn pictures_go_into_a_page(folder: &Folder) {
         study(folder, &gallery).success();
     }
     let page = folder.read("pages/all.md");
-    assert!(page.starts_with("Before.\n<!-- gallery: small -->\n") && page.ends_with("<!-- end -->\nAfter.\n"));
-    assert!(!page.contains("old") && page.contains("<code>reference</code>") && page.contains(" ms"), "{page}");
+    assert!(
+        page.starts_with("Before.\n<!-- gallery: small -->\n") && page.ends_with("<!-- end -->\nAfter.\n")
+    );
+    assert!(
+        !page.contains("old") && page.contains("<code>reference</code>") && page.contains(" ms"),
+        "{page}"
+    );
     let shown: Vec<&str> =
         page.split("<img src=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
     // The reference, and eight cells.
@@ -270,9 +275,7 @@ fn run_in_miniature(wanted: fn(&str) -> bool) {
             "ism-fig-5" | "ism-fig-11" | "ism-fig-12" => &["lights=64", "map=32", "rsm.size=32"],
             "filters" | "tcas-fig-6" | "tcas-weights" | "imperfect-maps" | "acrsm-fig-3-10"
             | "acrsm-fig-6-1" | "acrsm-fig-6-2" | "approximations" | "false-shadows" | "filling-maps"
-            | "ism-fig-8" | "mixed-maps" => {
-                &["lights=64", "rsm.size=32"]
-            }
+            | "ism-fig-8" | "mixed-maps" => &["lights=64", "rsm.size=32"],
             "approximations-smc-ir-frame" => &["lights=16"],
             "ism-fig-7" => &["samples=4"],
             _ => &["samples=4", "bounces=1"],

@@ -8,7 +8,9 @@ use renderer::Renderer;
 /// indirect light where edges are many.
 #[test]
 fn edges_are_those_of_the_mean_over_pixels() {
-    for (scene, output, most) in [("blinds", "direct", 0.5), ("arcade", "direct", 0.5), ("arcade", "indirect", 0.8)] {
+    for (scene, output, most) in
+        [("blinds", "direct", 0.5), ("arcade", "direct", 0.5), ("arcade", "indirect", 0.8)]
+    {
         let values = ["samples=256", "samples_per_frame=64"];
         let Some(mut truth) = renderer("reference", scene, (48, 36), &values) else { return };
         done(&mut truth);
@@ -35,7 +37,9 @@ fn outputs_have_the_size_of_the_frame() {
         let image = |name: &str| renderer.output(name).map(|image: Image| (image.width(), image.height()));
         let of_light = |interface: &str| matches!(interface, "Radiance" | "Irradiance" | "Display");
         let light = outputs.iter().filter(|output| of_light(output.interface.as_str()));
-        light.map(|output| (output.name.to_string(), image(output.name.as_str()).unwrap())).collect::<Vec<_>>()
+        light
+            .map(|output| (output.name.to_string(), image(output.name.as_str()).unwrap()))
+            .collect::<Vec<_>>()
     };
     for pipeline in [
         "ism",

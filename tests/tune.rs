@@ -28,7 +28,17 @@ fn numbers_are_read_as_they_were_written() {
 #[test]
 fn the_winner_is_a_pipeline_with_its_evidence() {
     let Some(folder) = Folder::with_gpu(&[]) else { return };
-    let fixed = ["map", "settle", "maps", "bound", "interleaving", "interleave_x", "interleave_y", "near", "supersampling"];
+    let fixed = [
+        "map",
+        "settle",
+        "maps",
+        "bound",
+        "interleaving",
+        "interleave_x",
+        "interleave_y",
+        "near",
+        "supersampling",
+    ];
     let fixed: Vec<&str> = fixed.iter().flat_map(|name| ["--fix", name]).collect();
     let axes = [&["--vary", "lights=16,64,256"], &fixed[..]].concat();
     let own = [&["ism-invtm", "cornell-box", "-o", "out", "--judges", "2"], &axes[..]].concat();

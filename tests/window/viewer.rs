@@ -92,8 +92,7 @@ impl Tree {
     pub(super) fn rendered(&self, pipeline: &str, scene: &str, (width, height): (u16, u16)) -> Image {
         let (file, size) = (self.at("rendered.png"), format!("{width}x{height}"));
         let out = file.to_string_lossy();
-        let arguments =
-            ["render", pipeline, scene, "-o", &out, "--output", "display", "--size", &size];
+        let arguments = ["render", pipeline, scene, "-o", &out, "--output", "display", "--size", &size];
         let done = self.lightloom(&arguments);
         assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
         Image::read(file).unwrap()
