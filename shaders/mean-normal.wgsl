@@ -27,7 +27,7 @@ fn mean_facing(mean: vec3<f32>, to: vec3<f32>) -> vec3<f32> {
         return select(vec3(0.0), mean, cosine > 0.0);
     }
     // Those face it whose slope away from it is below this many deviations.
-    let most = clamp(cosine / (deviation * sine), -8.0, 8.0);
+    let most = cosine / (deviation * sine);
     let facing = share_below(most);
     let density = 0.3989423 * exp(-0.5 * most * most);
     return size * (facing * middle + deviation * density / sine * across);

@@ -80,7 +80,7 @@ struct Sums {
     /// Place in the layer [texels].
     uv: vec4<f32>,
 #if NORMAL_MAPPED
-    /// What a normal map adds to the normal, times the luminance of the flux; and that [W].
+    /// What a normal map adds to the normal, times the luminance of the flux [W].
     bend: vec4<f32>,
 #endif
 }
@@ -98,10 +98,9 @@ fn summand(texel: vec2<u32>, old: Cluster) -> Sums {
     let importance = 1.0;
 #endif
 #if NORMAL_MAPPED
-    let weight = luminance(flux_of(flux.rgb));
-    var bend = vec4(0.0, 0.0, 0.0, weight);
+    var bend = vec4(0.0);
     if normals.w != 0.0 {
-        bend = vec4(weight * (direction_from_half_float(normals.w) - normal), weight);
+        bend = vec4(luminance(flux_of(flux.rgb)) * (direction_from_half_float(normals.w) - normal), 0.0);
     }
 #endif
     return Sums(
@@ -146,7 +145,8 @@ fn centre_of(sums: Sums, old: Cluster) -> Cluster {
     centre.uv = old.uv + sums.uv.xy / texels;
     centre.flux = sums.flux.rgb;
 #if NORMAL_MAPPED
-    centre.bend = select(vec3(0.0), sums.bend.xyz / sums.bend.w, sums.bend.w > 0.0);
+    let power = luminance(centre.flux);
+    centre.bend = select(vec3(0.0), sums.bend.xyz / power, power > 0.0);
 #endif
     centre.texels = u32(texels);
     return centre;
