@@ -1,7 +1,7 @@
 // Renders what the lights see: position, normal and reflected flux. One layer for a spot or directional light, six for a point
 // light. [Dachsbacher & Stamminger 2005, §3.1]
 
-#output rsm: ReflectiveShadowMap(size: settings.size, layers: max(scene.light_layers, 1)) // What the lights see.
+#output rsm: ReflectiveShadowMap(size: side, layers: max(scene.light_layers, 1)) // What the lights see.
 #lights
 
 #option GLOSSY false // whether the map has the member `specular`
@@ -16,6 +16,10 @@ struct Settings {
     /// Side of a layer. Larger: sharper shadows and more positions for virtual lights; time and memory grow with its square.
     /// [default: 512, min: 1, max: 8192, unit: "px"]
     size: u32,
+    /// The most texels of all layers together: where lights have more layers, these share them, and have smaller sides than `size`.
+    /// Larger: sharper shadows of many lights; time and memory grow with it. The default is 16 layers of 512².
+    /// [default: 4194304, min: 1, max: 4294967295]
+    texels: u32,
     /// The layer that is rendered.
     layer: u32,
 }

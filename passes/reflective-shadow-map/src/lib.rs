@@ -17,6 +17,14 @@ fn light_layers(traits: &Traits) -> u32 {
     traits.values.get("light_layers").and_then(Value::as_u32).unwrap_or(0)
 }
 
+/// Returns the side of a layer [px]: the setting, or what the setting `texels` leaves to each of so many layers.
+fn side(settings: &Settings, layers: u32) -> Result<u32, PassTypeError> {
+    let most = (settings.u32("texels")? / layers.max(1)).isqrt();
+    // Workgroups of the passes that read a layer have 8² threads.
+    let most = if most > 8 { most - most % 8 } else { most.max(1) };
+    Ok(settings.u32("size")?.min(most))
+}
+
 /// Returns for each layer whether the pass takes its light.
 fn taken(settings: &Settings, traits: &Traits) -> Vec<bool> {
     let chosen = lights::chosen(settings);
@@ -37,7 +45,8 @@ fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
         );
         return Err(PassTypeError::new(message).help("render the scene with fewer lights"));
     }
-    let mut outputs = cx.declared()?;
+    let side = side(cx.settings, layers)?;
+    let mut outputs = cx.declared_with(&[("side", side.into())])?;
     let taken = taken(cx.settings, cx.traits);
     if !taken.iter().all(|taken| *taken) || layers == 0 {
         // Layers that are not rendered see nothing; where there is no light, there is one of these.
@@ -48,7 +57,6 @@ fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {
     if layers == 0 {
         return Ok(outputs);
     }
-    let side = cx.settings.u32("size")?;
     let nearest = ResourceDesc::texture_2d(Format::Depth32Float, Extent::Fixed(side, side));
     outputs.push(OutputDesc::scratch("nearest", nearest));
     Ok(outputs)

@@ -60,6 +60,27 @@ fn a_square_reflects_a_sixth_of_a_point_light() {
     }
 }
 
+/// Layers of many lights share texels, by whole workgroups of 8² where they have as many, and lose no light.
+#[test]
+fn layers_of_many_lights_are_smaller() {
+    let mut scene = pass_test::scene("plane");
+    let light = Light { kind: LightKind::Point, ..scene.lights[0].clone() };
+    for (lights, texels, side) in
+        [(1, 6 * 4096, 64), (5, 30 * 1024, 32), (5, 30 * 31 * 31, 24), (7, 42 * 50, 7), (9, 10, 1)]
+    {
+        scene.lights = vec![light.clone(); lights];
+        let harness = Harness::new(reflective_shadow_map::PASS).with_scene(scene.clone());
+        let Some(outputs) = harness.set("size", 64u32).set("texels", texels as u32).run() else { return };
+        let desc = outputs.desc("rsm.flux");
+        assert_eq!(desc.texture().expect("a texture array").layers, 6 * lights as u32);
+        let flux: Vec<[f32; 4]> = outputs.read("rsm.flux");
+        assert_eq!(flux.len(), 6 * lights * side * side, "{lights} lights, {texels} texels");
+        let sum: f64 = flux.iter().map(|flux| f64::from(flux[1])).sum();
+        let expected = lights as f64 * 0.5 * 4.0 * PI / 6.0;
+        assert!((sum / expected - 1.0).abs() < 2e-2, "{lights} lights, {texels} texels: {sum} W");
+    }
+}
+
 /// It is lit by the cosine of the bent normal, and reflects nothing below the horizon of that, which is (1 - cosα) / 2 of what
 /// leaves a Lambertian surface. Its area and its normal stay those of the square.
 #[test]
