@@ -1,6 +1,21 @@
 // The geometry term of a light on a surface, which grows without bound near the light unless it is bounded.
 
 #import "color.wgsl"
+#import "scene.wgsl"
+
+/// How far short rays go that return what bounds by area take, as a fraction of the scene's dense extent. No light is bounded by its area
+/// farther off.
+const MOST_BOUND: f32 = 0.1;
+
+/// The length of these rays [m].
+fn most_bound() -> f32 {
+    return MOST_BOUND * scene_info.dense_extent;
+}
+
+/// The least π d² [m²] that counts near a light that stands for an area [m²] and is bounded at so many radii of a disc of it.
+fn area_of_bound(radii: f32, area: f32) -> f32 {
+    return min(radii * radii * area, PI * most_bound() * most_bound());
+}
 
 /// Geometry term of a light without its visibility [1/m²], cosθ cosθ' / (π d² + disc), with π d² taken as at least `least` [m²]: what
 /// remains after this bound, and what it removes. `offset` [m] is from the light to the receiver; `rounding` [m] is that of positions.

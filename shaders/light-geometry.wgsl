@@ -17,7 +17,7 @@
 /// Geometry term of a light without its visibility [1/m²], cosθ cosθ' / (π d²), or the cosine alone where the light is infinitely
 /// far: what remains after the bounds, and what they remove. Of a light nearer than b, which is `clamp` as a fraction of the scene's
 /// dense extent, the share d² / b² remains; `area_bound` is the distance, in radii of a disc of the light's area, below which a light
-/// gives no more, where GEOMETRY is bounded.
+/// gives no more, where GEOMETRY is bounded: it is at most `most_bound`.
 fn light_geometry(
     light: VirtualLight,
     at: vec3<f32>,
@@ -38,7 +38,7 @@ fn light_geometry(
 #if GEOMETRY == disc
     let terms = vec2(disc_irradiance(offset, light.normal, normal, max(light.area / PI, rounding * rounding)), 0.0);
 #elif GEOMETRY == bounded
-    let terms = bounded_geometry(offset, light.normal, normal, rounding, area_bound * area_bound * light.area, 0.0);
+    let terms = bounded_geometry(offset, light.normal, normal, rounding, area_of_bound(area_bound, light.area), 0.0);
 #else
     let terms = bounded_geometry(offset, light.normal, normal, rounding, 0.0, light.area);
 #endif

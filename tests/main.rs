@@ -28,6 +28,7 @@ mod judge;
 mod lamps;
 mod linking;
 mod lsp;
+mod many_lights;
 mod mixed;
 mod normal_maps;
 #[cfg(unix)]

@@ -1,9 +1,9 @@
 // Returns by short rays the light that the bound of virtual lights took away. [Kollig & Keller 2004]
 //
 // Of the light that a surface at distance d sends, virtual lights give a share s: d² / b² where they are bounded at one distance b, and
-// π d² / (r² A) where each is bounded at r radii of a disc of the area A that it stands for. The rest comes along rays over the cosine: π
-// times the mean of (1 - s) times the radiance that is reflected where they end. There, A is that of the nearest light: areas are those of
-// a density, which changes little from one light to the next.
+// π d² / (r² A) where each is bounded at r radii of a disc of the area A that it stands for, no farther off than rays go. The rest comes
+// along rays over the cosine: π times the mean of (1 - s) times the radiance that is reflected where they end. There, A is that of the
+// nearest light: areas are those of a density, which changes little from one light to the next.
 //
 // The pixels of a window of the interleaving share one stratified set of rays, as they share one set of lights. A pixel traces more of them
 // where the first rays of those around it differ, and where few pixels of its window see its surface. The samples of a pixel of the frame
@@ -24,6 +24,7 @@
 
 #option LIGHTS false // whether there are lights
 
+#import "bounded-geometry.wgsl"
 #import "camera.wgsl"
 #import "diffuse-reflectance.wgsl"
 #import "hemisphere.wgsl"
@@ -53,9 +54,6 @@ struct Settings {
     /// The noise for which a pixel traces more rays, as a share of the irradiance around it. More: fewer rays, and more noise. [default:
     /// 0.05, min: 0.0, max: 1000.0]
     noise: f32,
-    /// Length of rays where lights are bounded by their areas, as a fraction of the scene's dense extent. Longer: what sparse lights
-    /// lack is returned from farther, and rays take more time. [default: 0.1, min: 0.0, max: 10.0]
-    reach: f32,
     seed: u32,
 }
 
@@ -265,7 +263,7 @@ fn sum_of_rays(rays: RaySet, first: u32, end: u32) -> vec3<f32> {
     var reach = bound;
 #if LIGHTS
     if settings.irradiance_area_bound > 0.0 {
-        reach = max(reach, settings.reach * scene_info.dense_extent);
+        reach = max(reach, most_bound());
     }
 #endif
     if reach <= 0.0 {
@@ -293,8 +291,8 @@ fn sum_of_rays(rays: RaySet, first: u32, end: u32) -> vec3<f32> {
 #if LIGHTS
         let radii = settings.irradiance_area_bound;
         if radii > 0.0 {
-            let area = area_at(vertex.position, vertex.normal, rays.start);
-            share *= min(PI * distance2 / max(radii * radii * area, 1e-37), 1.0);
+            let least = area_of_bound(radii, area_at(vertex.position, vertex.normal, rays.start));
+            share *= min(PI * distance2 / max(least, 1e-37), 1.0);
         }
 #endif
         sum += reflected * (1.0 - share);

@@ -33,10 +33,9 @@ struct Settings {
     /// Larger: smaller bright spots near lights, but more energy lost near corners, which alpha has and `bias-compensation`
     /// returns. [default: 0.0, min: 0.0, max: 1.0]
     clamp: f32,
-    /// Distance below which a light gives no more, in radii of a disc of the area that it stands for, where `geometry` is bounded:
-    /// where lights are dense, they are bounded at less distance. 0 is no such bound. With more lights, less is lost; `bias-compensation`
-    /// returns it. [default: 1.0, min: 0.0, max:
-    /// 100.0]
+    /// Distance below which a light gives no more, in radii of a disc of the area that it stands for, where `geometry` is bounded; at most
+    /// a tenth of the scene's dense extent. 0 is no such bound. With more lights, less is lost; `bias-compensation` returns it.
+    /// [default: 1.0, min: 0.0, max: 100.0]
     area_bound: f32,
     /// The pixels of one surface in the window of the interleaving below which a pixel takes all lights, itself counted: at edges and on
     /// thin objects, where filters cannot find the subsets that it lacks. Several samples of one pixel count as one. 0 or 1: none

@@ -44,8 +44,8 @@ struct Settings {
     /// Least cosine between the normals of pixels that are alike. Smaller: light that leaks across creases. Larger: more pixels to
     /// gather again. [default: 0.9, min: -1.0, max: 1.0]
     cosine: f32,
-    /// Distance below which the geometry term of a sample is bounded, in radii of a disc of the area for which it stands. 0 is no such
-    /// bound. Larger: smaller bright spots, but more light lost near corners. [default: 1.0, min: 0.0, max: 100.0]
+    /// Distance below which the geometry term of a sample is bounded, in radii of a disc of the area for which it stands; at most a
+    /// tenth of the scene's dense extent. 0 is no such bound. Larger: smaller bright spots, but more light lost near corners. [default: 1.0, min: 0.0, max: 100.0]
     area_bound: f32,
     seed: u32,
     /// The samples of all layers, one layer after the other, that this dispatch takes: `begin` to `end`.
@@ -161,7 +161,7 @@ fn received(receiver: Receiver, texel: vec2<u32>, layer: u32, weight: f32) -> ve
     }
     let flux = textureLoad(rsm_flux, texel, layer, 0);
     // DEVIATION(bound): the paper has none.
-    let least = settings.area_bound * settings.area_bound * flux.a * max(weight, 1.0);
+    let least = area_of_bound(settings.area_bound, flux.a * max(weight, 1.0));
     let normal = normalize(normals.xyz);
     var stands_for = weight;
     if normals.w != 0.0 {

@@ -30,9 +30,8 @@ struct Settings {
     /// Larger: smaller bright spots near lights, but more energy lost near corners, which alpha has and `bias-compensation`
     /// returns. [default: 0.0, min: 0.0, max: 1.0]
     clamp: f32,
-    /// Distance below which a light gives no more, in radii of a disc of the area that it stands for, where `geometry` is bounded. 0 is
-    /// no such bound.
-    /// [default: 1.0, min: 0.0, max: 100.0]
+    /// Distance below which a light gives no more, in radii of a disc of the area that it stands for, where `geometry` is bounded; at most
+    /// a tenth of the scene's dense extent. 0 is no such bound. [default: 1.0, min: 0.0, max: 100.0]
     area_bound: f32,
 }
 

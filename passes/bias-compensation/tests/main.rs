@@ -69,7 +69,7 @@ fn compensated_by(
 /// The compensated irradiance where each of these lights is bounded at `radii` radii of its area.
 fn compensated_by_area(height: f32, radii: f32, lights: &[VirtualLight]) -> Option<Vec<[f32; 4]>> {
     let harness = over_plane(height, [0.0; 4]).fact("clamp", 0.0f32).fact("area_bound", radii).lights(lights);
-    Some(harness.set("rays_per_pixel", 4u32).set("reach", 0.3f32).run()?.read("compensated"))
+    Some(harness.set("rays_per_pixel", 4u32).run()?.read("compensated"))
 }
 
 /// A light on the plane that stands for a disc of this radius, both in metres.
@@ -103,14 +103,20 @@ fn a_plane_returns_its_near_field() {
     }
 }
 
-/// A light that is bounded at r radii of a disc of the radius a lacks what one bound at r a takes.
+/// How far the rays of lights that are bounded by their areas go \[m\].
+const MOST_BOUND: f32 = 0.1 * EXTENT;
+
+/// A light that is bounded at r radii of a disc of the radius a lacks what one bound at r a takes, and no more than rays reach.
 #[test]
 fn a_plane_returns_what_bounds_by_area_take() {
-    for (height, radii, radius) in [(0.05, 1.0, 0.4), (0.05, 2.0, 0.2), (0.2, 4.0, 0.1), (0.001, 2.0, 0.1)] {
+    for (height, radii, radius) in
+        [(0.05, 1.0, 0.2), (0.05, 2.0, 0.1), (0.2, 4.0, 0.06), (0.001, 2.0, 0.1), (0.05, 2.0, 0.3)]
+    {
         let Some(pixels) = compensated_by_area(height, radii, &[light(0.0, radius, DVec3::Y)]) else {
             return;
         };
-        let (found, wanted) = (mean(&pixels), missing(f64::from(height), f64::from(radii * radius)));
+        let (found, wanted) =
+            (mean(&pixels), missing(f64::from(height), f64::from((radii * radius).min(MOST_BOUND))));
         assert!((found - wanted).abs() < 4e-3 * wanted + 1e-5, "at {height}: {found} for {wanted}");
     }
 }
@@ -119,11 +125,11 @@ fn a_plane_returns_what_bounds_by_area_take() {
 /// infinitely far.
 #[test]
 fn the_nearest_light_of_the_side_decides() {
-    let decides = light(0.05, 0.3, DVec3::Y);
+    let decides = light(0.05, 0.15, DVec3::Y);
     let infinitely_far = VirtualLight { kind: INFINITELY_FAR, ..light(0.0, 0.7, DVec3::Y) };
     let lights = [light(0.9, 0.1, DVec3::Y), light(0.0, 0.5, DVec3::NEG_Y), infinitely_far, decides];
     let Some(pixels) = compensated_by_area(0.01, 1.0, &lights) else { return };
-    let (found, wanted) = (mean(&pixels), missing(0.01, 0.3));
+    let (found, wanted) = (mean(&pixels), missing(0.01, 0.15));
     assert!((found - wanted).abs() < 4e-3 * wanted, "{found} for {wanted}");
 }
 
@@ -146,15 +152,15 @@ fn what_no_light_lacks_is_not_returned() {
 /// a run of lights are enough.
 #[test]
 fn many_lights_are_sampled_by_a_run() {
-    let lights: Vec<_> = (0..65_536).map(|i| light(f64::from(i % 64) / 64.0 - 0.5, 0.3, DVec3::Y)).collect();
+    let lights: Vec<_> = (0..65_536).map(|i| light(f64::from(i % 64) / 64.0 - 0.5, 0.2, DVec3::Y)).collect();
     for supersampling in [1, 4] {
         let height = |x| 0.05 * (1.0 + (x % supersampling) as f32);
         let harness = over_plane_by(height, [0.0; 4]).fact("clamp", 0.0f32).fact("area_bound", 1.0f32);
         let harness = harness.lights(&lights).frame(SIDE / supersampling, SIDE / supersampling);
-        let harness = harness.set("rays_per_pixel", 64u32).set("most_rays", 64u32).set("reach", 0.3f32);
+        let harness = harness.set("rays_per_pixel", 64u32).set("most_rays", 64u32);
         let Some(outputs) = harness.run() else { return };
         let found = mean(&outputs.read("compensated"));
-        let wanted = (0..supersampling).map(|x| missing(height(x).into(), 0.3)).sum::<f64>();
+        let wanted = (0..supersampling).map(|x| missing(height(x).into(), 0.2)).sum::<f64>();
         let wanted = wanted / f64::from(supersampling);
         assert!((found - wanted).abs() < 3e-3 * wanted, "{supersampling}: {found} for {wanted}");
     }

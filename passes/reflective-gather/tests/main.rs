@@ -286,21 +286,28 @@ fn light_behind_the_surface_and_lights_that_face_away_give_nothing() {
     assert!(irradiance(&outputs).iter().all(|texel| *texel == [0.0; 4]));
 }
 
-/// A receiver beside a texel of 2 m²: what remains is bounded by the area for which a sample stands, and alpha has the rest.
+/// A receiver near a texel: what remains is bounded by the area for which a sample stands, but no farther off than a tenth of the extent
+/// of the square, and alpha has the rest.
 #[test]
 fn what_the_bound_removes_is_in_alpha() {
-    let texel = RsmTexel { position: [0.0, 0.0, -2.5, 1.0], flux: [1.0, 1.0, 1.0, 2.0], ..one_surface(1)[0] };
-    let light = |bound: f32| {
+    let light = |bound: f32, area: f32| {
+        let texel =
+            RsmTexel { position: [0.0, 0.0, -2.8, 1.0], flux: [1.0, 1.0, 1.0, area], ..one_surface(1)[0] };
         let harness = Harness::new(PASS).with_scene(lit_by(&[SPOT])).frame(1, 1).view(|_, _| facing(3.0));
         let harness = harness.rsm((1, 1), &[texel]).set("samples", 4096).set("area_bound", bound);
         Some(irradiance(&harness.run()?)[0])
     };
-    let (Some(free), Some(bounded)) = (light(0.0), light(1.0)) else { return };
-    // 1 / (π d²) with d = ½, and 1 / A: a sample stands for less than the texel.
-    for (found, expected) in [(free[0], 4.0 / PI), (bounded[0], 0.5), (bounded[0] + bounded[3], 4.0 / PI)] {
-        assert!((f64::from(found) - expected).abs() < 2e-3 * expected, "{found} for {expected}");
+    // 1 / (π d²) with d = ⅕, and 1 / A: a sample stands for less than the texel.
+    let whole = 25.0 / PI;
+    for (area, least) in [(0.2, 0.2), (2.0, 0.08 * PI)] {
+        let (Some(free), Some(bounded)) = (light(0.0, area), light(1.0, area)) else { return };
+        for (found, expected) in
+            [(free[0], whole), (bounded[0], 1.0 / least), (bounded[0] + bounded[3], whole)]
+        {
+            assert!((f64::from(found) - expected).abs() < 2e-3 * expected, "{found} for {expected}");
+        }
+        assert_eq!(free[3], 0.0);
     }
-    assert_eq!(free[3], 0.0);
 }
 
 #[test]

@@ -7,6 +7,9 @@ use std::f64::consts::PI;
 /// The kind of a light infinitely far.
 pub(crate) const INFINITELY_FAR: u32 = 1;
 
+/// The greatest distance at which a light is bounded \[m\], a tenth of the extent of the scene `plane`.
+const MOST_BOUND: f64 = 0.2 * std::f64::consts::SQRT_2;
+
 /// Returns the geometry term of a light \[1/m²\], bounded at `radii` of the disc that it stands for: what remains, and what the bound
 /// removes.
 pub(crate) fn geometry(light: &VirtualLight, at: DVec3, normal: DVec3, radii: f64) -> (f64, f64) {
@@ -17,7 +20,7 @@ pub(crate) fn geometry(light: &VirtualLight, at: DVec3, normal: DVec3, radii: f6
     let offset = at - DVec3::from(light.position.map(f64::from));
     let distance2 = offset.length_squared();
     let cosines = (-normal.dot(offset)).max(0.0) * of_light.dot(offset).max(0.0) / distance2;
-    let least = radii * radii * f64::from(light.area);
+    let least = (radii * radii * f64::from(light.area)).min(PI * MOST_BOUND * MOST_BOUND);
     let kept = cosines / (PI * distance2).max(least);
     (kept, cosines / (PI * distance2) - kept)
 }
