@@ -4,6 +4,7 @@
 // all diffuse.
 
 #import "incident-light.wgsl"
+#import "light-reach.wgsl"
 #import "path-vertex.wgsl"
 
 /// Radiance that a surface reflects of the lights of the scene [W/(m² sr)]. `leaving` points to where it goes, unit.
@@ -17,15 +18,7 @@ fn reflected_light(vertex: PathVertex, leaving: vec3<f32>) -> vec3<f32> {
         if !any(irradiance > vec3(0.0)) || dot(vertex.geometric, to_light) <= 0.0 {
             continue;
         }
-        let origin = offset_origin(vertex.position, vertex.geometric);
-        var shadowed: bool;
-        if light.kind == LIGHT_DIRECTIONAL {
-            shadowed = occluded(origin, to_light, 0.0, FAR);
-        } else {
-            // The ray ends just before the light: a light that is attached to a surface shines from it.
-            shadowed = occluded(origin, light.position - origin, 0.0, 0.9999);
-        }
-        if !shadowed {
+        if light_reaches(light, offset_origin(vertex.position, vertex.geometric), to_light) {
             radiance += reflectance(vertex, to_light, leaving) * irradiance;
         }
     }

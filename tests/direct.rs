@@ -11,8 +11,10 @@ const HEIGHT: u32 = 60;
 const HALF_WAY: f64 = 0.4;
 /// Half the side of the small square \[m\].
 const HALF_SIDE: f64 = 0.25;
-/// Within this of a shadow's edge, in metres on the small square, filtering blurs it.
-const RIM: f64 = 0.03;
+/// Settings, and within which distance of a shadow's edge, in metres on the small square, they blur it: by filtering, or not at all where
+/// rays decide there, however coarse the map is.
+const SHADOWS: [(&[&str], f64); 2] =
+    [(&["direct.settle=false", "rsm.size=512"], 0.03), (&["direct.settle=true", "rsm.size=48"], 1e-3)];
 
 /// Puts a light over `plane`: a floor at y = 0 of side 2 and albedo ½.
 fn lit_by(kind: LightKind, position: Vec3, direction: Vec3) -> impl Fn(&mut Scene) {
@@ -32,7 +34,7 @@ fn screened(scene: &mut Scene) {
 
 /// The scene as changed, and the direct light of every pixel.
 fn render(change: impl Fn(&mut Scene), values: &[&str]) -> Option<(Scene, Vec<[f32; 4]>)> {
-    let values = [SMALL, &["rsm.size=512", "supersampling=1"], values].concat();
+    let values = [SMALL, &["supersampling=1"], values].concat();
     let mut renderer = renderer("ism-uniform", "plane", (WIDTH, HEIGHT), &values)?;
     let mut scene = renderer.scene().clone();
     change(&mut scene);
@@ -80,14 +82,28 @@ fn seen(scene: &Scene, pixel: usize, screen: bool) -> Seen {
     }
 }
 
-/// Compares every pixel of the floor with the irradiance that `expected` gives for its place; `None` where an edge is
-/// too near to say.
-fn compare(light: impl Fn(&mut Scene), expected: impl Fn(DVec3) -> Option<f64>) {
+/// Compares every pixel of the floor with the irradiance that `unshadowed` gives for its place; `None` where an edge of the light is too
+/// near to say. `to_light` is the way to the light from there.
+fn compare(
+    light: impl Fn(&mut Scene),
+    to_light: impl Fn(DVec3) -> DVec3,
+    unshadowed: impl Fn(DVec3) -> Option<f64>,
+) {
+    for (values, rim) in SHADOWS {
+        compare_by(values, &light, |at| {
+            let shadow = depth_of_shadow(at, to_light(at));
+            let unshadowed = unshadowed(at)?;
+            (shadow.abs() > rim).then_some(if shadow > 0.0 { 0.0 } else { unshadowed })
+        });
+    }
+}
+
+fn compare_by(values: &[&str], light: impl Fn(&mut Scene), expected: impl Fn(DVec3) -> Option<f64>) {
     let change = |scene: &mut Scene| {
         screened(scene);
         light(scene);
     };
-    let Some((scene, direct)) = render(change, &[]) else { return };
+    let Some((scene, direct)) = render(change, values) else { return };
     let (mut lit, mut dark) = (0, 0);
     for (i, found) in direct.iter().enumerate() {
         let at = match seen(&scene, i, true) {
@@ -118,16 +134,12 @@ fn depth_of_shadow(at: DVec3, to_light: DVec3) -> f64 {
 fn a_spot_lights_its_cone_but_for_the_shadow() {
     let outer = 40f32.to_radians();
     let place = vec3(0.1, 1.0, -0.1);
-    compare(lit_by(LightKind::Spot { inner: outer, outer }, place, Vec3::NEG_Y), |at| {
-        let offset = place.as_dvec3() - at;
-        let cosine = offset.normalize().y;
+    let to_light = |at| place.as_dvec3() - at;
+    compare(lit_by(LightKind::Spot { inner: outer, outer }, place, Vec3::NEG_Y), to_light, |at| {
+        let cosine = to_light(at).normalize().y;
         let from_rim = cosine.acos() - f64::from(outer);
-        if from_rim.abs() < 5e-3 {
-            return None;
-        }
-        let shadow = depth_of_shadow(at, offset);
-        let unshadowed = if from_rim > 0.0 { 0.0 } else { cosine / offset.length_squared() };
-        (shadow.abs() > RIM).then_some(if shadow > 0.0 { 0.0 } else { unshadowed })
+        let inside = if from_rim > 0.0 { 0.0 } else { cosine / to_light(at).length_squared() };
+        (from_rim.abs() > 5e-3).then_some(inside)
     });
 }
 
@@ -135,22 +147,17 @@ fn a_spot_lights_its_cone_but_for_the_shadow() {
 #[test]
 fn a_point_light_lights_all_but_the_shadow() {
     let place = vec3(0.9, 0.7, 0.3);
-    compare(lit_by(LightKind::Point, place, Vec3::NEG_Y), |at| {
-        let offset = place.as_dvec3() - at;
-        let shadow = depth_of_shadow(at, offset);
-        let unshadowed = offset.normalize().y / offset.length_squared();
-        (shadow.abs() > RIM).then_some(if shadow > 0.0 { 0.0 } else { unshadowed })
+    let to_light = |at| place.as_dvec3() - at;
+    compare(lit_by(LightKind::Point, place, Vec3::NEG_Y), to_light, |at| {
+        Some(to_light(at).normalize().y / to_light(at).length_squared())
     });
 }
 
 #[test]
 fn the_sun_lights_all_but_the_shadow() {
     let direction = vec3(0.4, -1.0, 0.2).normalize();
-    compare(lit_by(LightKind::Directional, Vec3::ZERO, direction), |at| {
-        let to_light = -direction.as_dvec3();
-        let shadow = depth_of_shadow(at, to_light);
-        (shadow.abs() > RIM).then_some(if shadow > 0.0 { 0.0 } else { to_light.y })
-    });
+    let to_light = -direction.as_dvec3();
+    compare(lit_by(LightKind::Directional, Vec3::ZERO, direction), |_| to_light, |_| Some(to_light.y));
 }
 
 /// A sun at 5° above the floor: without the receiver's plane, the floor would shadow itself.
@@ -158,7 +165,11 @@ fn the_sun_lights_all_but_the_shadow() {
 fn grazing_light_leaves_no_specks() {
     let direction = vec3(1.0, -(5f32.to_radians().tan()), 0.3).normalize();
     let light = lit_by(LightKind::Directional, Vec3::ZERO, direction);
-    let Some((scene, direct)) = render(light, &["direct.bias=0.1", "direct.pcf=9"]) else { return };
+    let Some((scene, direct)) =
+        render(light, &["direct.settle=false", "rsm.size=512", "direct.bias=0.1", "direct.pcf=9"])
+    else {
+        return;
+    };
     let expected = 0.5 / std::f32::consts::PI * -direction.y;
     let mut pixels = 0;
     for (i, found) in direct.iter().enumerate() {
@@ -180,7 +191,7 @@ fn a_normal_map_casts_no_shadow() {
         (scene.textures, scene.materials) = (bent.textures.clone(), bent.materials.clone());
         light(scene);
     };
-    let Some((scene, direct)) = render(change, &[]) else { return };
+    let Some((scene, direct)) = render(change, &["direct.settle=false", "rsm.size=512"]) else { return };
     let expected = 0.5 / PI * normal.dot(-direction.as_dvec3());
     let mut pixels = 0;
     for (i, found) in direct.iter().enumerate() {

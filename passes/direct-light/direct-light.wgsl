@@ -2,7 +2,8 @@
 // filtering: Reeves, Salesin & Cook 1987]
 //
 // Visibility is percentage-closer filtering (Reeves, Salesin & Cook 1987) with a receiver-plane depth bias: each tap is
-// compared with the distance of the plane through the receiver in that texel (after Isidoro 2006).
+// compared with the distance of the plane through the receiver in that texel (after Isidoro 2006). With `settle`, a ray decides where
+// the taps differ, which is at the edges of shadows: these are then as sharp as the view, whatever the side of the map.
 
 #input view: GBuffer // The surfaces to light.
 #input rsm: ReflectiveShadowMap // What the lights see; its positions are the shadow maps.
@@ -10,12 +11,14 @@
 #lights
 
 #option VIEW_SPECULAR false // whether the G-buffer has the member `specular`
+#option SETTLE false // Whether a ray decides where the taps of a window differ, or do so within the bias.
 
 #import "camera.wgsl"
 #import "color.wgsl"
 #import "ggx.wgsl"
 #import "incident-light.wgsl"
 #import "light-map.wgsl"
+#import "light-reach.wgsl"
 #import "scene.wgsl"
 #import "slope.wgsl"
 #import "view-geometric.wgsl"
@@ -70,7 +73,13 @@ fn direct_light(@builtin(global_invocation_id) id: vec3<u32>) {
         let towards_camera = -normalize(pixel_ray(vec2<f32>(id.xy), settings.direct_size));
         reflected += ggx(normal, -incident.direction, towards_camera, specular.rgb, specular.a);
 #endif
-        radiance += reflected * irradiance * visibility(layer_that_sees(light, at), at, plane);
+        var lit = visibility(layer_that_sees(light, at), at, plane);
+#if SETTLE
+        if lit == UNDECIDED {
+            lit = select(0.0, 1.0, light_reaches(light, offset_origin(at, plane), -incident.direction));
+        }
+#endif
+        radiance += reflected * irradiance * lit;
     }
     textureStore(direct, id.xy, vec4(radiance, 1.0));
 }
@@ -78,6 +87,14 @@ fn direct_light(@builtin(global_invocation_id) id: vec3<u32>) {
 /// Bound on the slope of a plane from texel to texel, in sides of a texel: seen nearly edge-on, its slope would grow
 /// without bound, and whatever lies in front of it would be taken for the plane itself.
 const STEEPEST: f32 = 8.0;
+
+#if SETTLE
+/// What `visibility` says where only a ray can tell.
+const UNDECIDED: f32 = -1.0;
+
+/// The part of the bias within which a surface that a tap sees is the receiver's own. Rays find what stands nearer to it.
+const OWN_SURFACE: f32 = 0.2;
+#endif
 
 /// The share of a layer's light that reaches a point [m] of a plane with the unit `normal`.
 fn visibility(index: u32, at: vec3<f32>, normal: vec3<f32>) -> f32 {
@@ -106,6 +123,9 @@ fn visibility(index: u32, at: vec3<f32>, normal: vec3<f32>) -> f32 {
     let reach = STEEPEST * texel * f32(settings.pcf / 2u + 1u);
     var lit = 0.0;
     var weights = 0.0;
+#if SETTLE
+    var surely_lit = 0.0;
+#endif
     for (var y = 0u; y <= settings.pcf; y++) {
         let weight_y = select(1.0, 1.0 - part.y, y == 0u) * select(1.0, part.y, y == settings.pcf);
         for (var x = 0u; x <= settings.pcf; x++) {
@@ -119,8 +139,16 @@ fn visibility(index: u32, at: vec3<f32>, normal: vec3<f32>) -> f32 {
             let weight = select(0.0, weight_x * weight_y, seen != 0.0);
             lit += select(0.0, weight, seen >= expected - bias);
             weights += weight;
+#if SETTLE
+            surely_lit += select(0.0, weight, seen >= expected - OWN_SURFACE * bias);
+#endif
         }
     }
+#if SETTLE
+    if lit > 0.0 && surely_lit < weights {
+        return UNDECIDED;
+    }
+#endif
     // Where the map is empty all around, nothing occludes.
     return select(1.0, lit / weights, weights > 0.0);
 }
