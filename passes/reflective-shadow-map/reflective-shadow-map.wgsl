@@ -16,10 +16,9 @@ struct Settings {
     /// Side of a layer. Larger: sharper shadows and more positions for virtual lights; time and memory grow with its square.
     /// [default: 512, min: 1, max: 8192, unit: "px"]
     size: u32,
-    /// The most texels of all layers together: where lights have more layers, these share them, and have smaller sides than `size`.
-    /// Larger: sharper shadows of many lights; time and memory grow with it. The default is 16 layers of 512².
-    /// [default: 4194304, min: 1, max: 4294967295]
-    texels: u32,
+    /// The most layers that have `size`² texels: where lights have more, all of them share the texels of so many, and have smaller sides.
+    /// Larger: sharper shadows of many lights; time and memory grow with it. [default: 16, min: 1, max: 4096]
+    full_layers: u32,
     /// The layer that is rendered.
     layer: u32,
 }

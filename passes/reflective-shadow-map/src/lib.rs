@@ -17,12 +17,16 @@ fn light_layers(traits: &Traits) -> u32 {
     traits.values.get("light_layers").and_then(Value::as_u32).unwrap_or(0)
 }
 
-/// Returns the side of a layer [px]: the setting, or what the setting `texels` leaves to each of so many layers.
+/// Returns the side of each of so many layers \[px\]: that of the settings, or what remains of it where they share texels.
 fn side(settings: &Settings, layers: u32) -> Result<u32, PassTypeError> {
-    let most = (settings.u32("texels")? / layers.max(1)).isqrt();
+    let (size, full_layers) = (settings.u32("size")?, settings.u32("full_layers")?);
+    if layers <= full_layers {
+        return Ok(size);
+    }
+    let texels = u64::from(size).pow(2) * u64::from(full_layers);
+    let side = (texels / u64::from(layers)).isqrt() as u32;
     // Workgroups of the passes that read a layer have 8² threads.
-    let most = if most > 8 { most - most % 8 } else { most.max(1) };
-    Ok(settings.u32("size")?.min(most))
+    Ok(if side > 8 { side - side % 8 } else { side.max(1) })
 }
 
 /// Returns for each layer whether the pass takes its light.
