@@ -5,7 +5,7 @@
 
 /// How far short rays go that return what bounds by area take, as a fraction of the scene's dense extent. No light is bounded by its area
 /// farther off.
-const MOST_BOUND: f32 = 0.1;
+const MOST_BOUND: f32 = 0.2;
 
 /// The length of these rays [m].
 fn most_bound() -> f32 {

@@ -270,7 +270,7 @@ fn a_new_variant_is_right_as_it_is_written() {
     let folder = Folder::new(&[]);
     let new = |name: &str, base: &str| run_in(&folder, &["new", name, "--extends", base]);
     new("mine", "ism").success().says(&["lightloom check mine.ron"]);
-    assert!(folder.read("mine.ron").contains("// Set(\"rsm.size\", 512), // Side of a layer\n"));
+    assert!(folder.read("mine.ron").contains("// Set(\"rsm.size\", 256), // Side of a layer\n"));
     run_in(&folder, &["check", "mine.ron"]).success();
     run_in(&folder, &["diff", "ism", "mine.ron"]).says(&["no difference"]);
     new("mine.ron", "ism").failure(1, &["mine.ron exists already"]);

@@ -37,7 +37,7 @@ struct Settings {
     /// Larger: smaller bright spots near lights, but more energy lost near corners. [default: 0.0, min: 0.0, max: 1.0]
     clamp: f32,
     /// Distance below which a light gives no more, in radii of a disc of the area that it stands for, where `geometry` is bounded; at most
-    /// a tenth of the scene's dense extent. 0 is no such bound. [default: 1.0, min: 0.0, max: 100.0]
+    /// a fifth of the scene's dense extent. 0 is no such bound. [default: 1.0, min: 0.0, max: 100.0]
     area_bound: f32,
     /// How surfaces reflect specularly. ggx: microfacets, as glTF's materials and the path tracer have them. phong: cosᴺ of the angle
     /// to the mirror direction (Lafortune & Willems 1994). blinn: cosᴺ of the angle between normal and half vector. Each is

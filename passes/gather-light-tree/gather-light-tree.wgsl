@@ -45,7 +45,7 @@ struct Settings {
     /// returns. [default: 0.0, min: 0.0, max: 1.0]
     clamp: f32,
     /// Distance below which a light gives no more, in radii of a disc of the area that it stands for, where `geometry` is bounded; at most
-    /// a tenth of the scene's dense extent. 0 is no such bound. With more lights, less is lost.
+    /// a fifth of the scene's dense extent. 0 is no such bound. With more lights, less is lost.
     /// [default: 1.0, min: 0.0, max: 100.0]
     area_bound: f32,
     irradiance_interleave_x: u32,

@@ -45,7 +45,7 @@ struct Settings {
     /// gather again. [default: 0.9, min: -1.0, max: 1.0]
     cosine: f32,
     /// Distance below which the geometry term of a sample is bounded, in radii of a disc of the area for which it stands; at most a
-    /// tenth of the scene's dense extent. 0 is no such bound. Larger: smaller bright spots, but more light lost near corners. [default: 1.0, min: 0.0, max: 100.0]
+    /// fifth of the scene's dense extent. 0 is no such bound. Larger: smaller bright spots, but more light lost near corners. [default: 1.0, min: 0.0, max: 100.0]
     area_bound: f32,
     seed: u32,
     /// The samples of all layers, one layer after the other, that this dispatch takes: `begin` to `end`.

@@ -17,7 +17,7 @@ pub const CLAMP: Fact<f32> = Fact::optional(
 /// The distance below which a virtual light gives no more.
 pub const AREA_BOUND: Fact<f32> = Fact::optional(
     "area_bound",
-    "distance below which a light gives no more, in radii of a disc of the area that it stands for, at most a tenth of the \
+    "distance below which a light gives no more, in radii of a disc of the area that it stands for, at most a fifth of the \
      scene's dense extent; 0 where it is left out",
 );
 

@@ -74,6 +74,7 @@ def test_a_saved_picture_is_rendered_again() -> None:
 
 def test_values_are_set_and_read() -> None:
     renderer = small()
+    renderer["near"] = 0.0
     before = renderer.frame().output("indirect").mean()
     renderer["gather.area_bound"] = np.float32(8.5)
     assert renderer["gather.area_bound"] == 8.5 and renderer["lights"] == 16
@@ -214,7 +215,7 @@ def test_a_scene_that_was_deleted_is_an_error(folder: pathlib.Path) -> None:
     (folder / "mine.ron").write_text("""Scene(
     geometry: BuiltIn("cornell-box"),
     camera: Camera(position: (0.278, 0.273, -0.8), target: (0.278, 0.273, 0.0), vertical_fov_deg: 39.3),
-    lights: [Point(name: "point", position: (0.3, 0.3, 0.3), intensity: (1, 1, 1))],
+    lights: [Point(name: "point", position: (0.1, 0.4, 0.1), intensity: (1, 1, 1))],
 )""")
     renderer = small("mine.ron").frame()
     (folder / "mine.ron").unlink()

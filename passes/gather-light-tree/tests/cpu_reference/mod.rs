@@ -7,8 +7,8 @@ use std::f64::consts::PI;
 /// The kind of a light infinitely far.
 pub(crate) const INFINITELY_FAR: u32 = 1;
 
-/// The greatest distance at which a light is bounded \[m\], a tenth of the extent of the scene `plane`.
-const MOST_BOUND: f64 = 0.2 * std::f64::consts::SQRT_2;
+/// The greatest distance at which a light is bounded \[m\], a fifth of the extent of the scene `plane`.
+const MOST_BOUND: f64 = 0.4 * std::f64::consts::SQRT_2;
 
 /// Returns the geometry term of a light \[1/m²\], bounded at `radii` of the disc that it stands for: what remains, and what the bound
 /// removes.

@@ -19,7 +19,7 @@ pub(crate) struct VirtualLight {
 /// The bound of a geometry term.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Bound {
-    /// That at this many radii of a disc of the light's area, at most a tenth of the extent.
+    /// That at this many radii of a disc of the light's area, at most a fifth of the extent.
     Radii(f64),
     /// The term of a disc straight ahead.
     PointToDisc,
@@ -38,7 +38,7 @@ pub(crate) fn geometry(
     let distance2 = offset.length_squared().max((1e-6 * extent).powi(2));
     let cosines = (-normal.dot(offset)).max(0.0) * light.normal.dot(offset).max(0.0) / distance2;
     let (closest2, area) = match bound {
-        Bound::Radii(radii) => ((radii.powi(2) * light.area / PI).min((0.1 * extent).powi(2)), 0.0),
+        Bound::Radii(radii) => ((radii.powi(2) * light.area / PI).min((0.2 * extent).powi(2)), 0.0),
         Bound::PointToDisc => (0.0, light.area),
     };
     let term = |distance2: f64| cosines / (PI * distance2 + area);
