@@ -3,13 +3,9 @@
 #import "color.wgsl"
 #import "scene.wgsl"
 
-/// How far short rays go that return what bounds by area take, as a fraction of the scene's dense extent. No light is bounded by its area
-/// farther off.
-const MOST_BOUND: f32 = 0.2;
-
-/// The length of these rays [m].
+/// How far short rays go that return what bounds by area take [m]. No light is bounded by its area farther off.
 fn most_bound() -> f32 {
-    return MOST_BOUND * scene_info.dense_extent;
+    return 0.2 * scene_info.dense_extent;
 }
 
 /// The least π d² [m²] that counts near a light that stands for an area [m²] and is bounded at so many radii of a disc of it.
