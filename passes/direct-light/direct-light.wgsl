@@ -3,7 +3,8 @@
 //
 // Visibility is percentage-closer filtering (Reeves, Salesin & Cook 1987) with a receiver-plane depth bias: each tap is
 // compared with the distance of the plane through the receiver in that texel (after Isidoro 2006). With `settle`, a ray decides where
-// the taps differ, which is at the edges of shadows: these are then as sharp as the view, whatever the side of the map.
+// the taps differ, which is at the edges of shadows, or do so within the bias: edges are then as sharp as the view, whatever the side of the
+// map.
 
 #input view: GBuffer // The surfaces to light.
 #input rsm: ReflectiveShadowMap // What the lights see; its positions are the shadow maps.
@@ -89,10 +90,10 @@ fn direct_light(@builtin(global_invocation_id) id: vec3<u32>) {
 const STEEPEST: f32 = 8.0;
 
 #if SETTLE
-/// What `visibility` says where only a ray can tell.
+/// What `visibility` returns where only a ray can tell.
 const UNDECIDED: f32 = -1.0;
 
-/// The part of the bias within which a surface that a tap sees is the receiver's own. Rays find what stands nearer to it.
+/// The part of the bias within which a map believes that a tap sees the receiver's own surface.
 const OWN_SURFACE: f32 = 0.2;
 #endif
 
