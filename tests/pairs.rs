@@ -242,15 +242,17 @@ fn clusters_of_one_light_are_as_visible_as_the_light() {
 }
 
 /// Returns relMSE and energy of gathered light by maps against rays, with the same lights, by the pass that
-/// stands for `shadows`.
-fn against_rays(scene: &str, shadows: &str, seed: u32) -> Option<(f64, f64)> {
-    let [maps, rays] = maps_and_rays(scene, shadows, seed)?;
-    let pair = Pair::new(&maps, &rays).unwrap();
-    pair.rel_mse(Epsilon::default()).zip(pair.energy_ratio())
+/// stands for `shadows`, of each seed.
+fn against_rays(scene: &str, shadows: &str, seeds: &[u32]) -> Option<Vec<(f64, f64)>> {
+    let measured = |[maps, rays]: [Image; 2]| {
+        let pair = Pair::new(&maps, &rays).unwrap();
+        pair.rel_mse(Epsilon::default()).zip(pair.energy_ratio())
+    };
+    maps_and_rays(scene, shadows, seeds)?.into_iter().map(measured).collect()
 }
 
-/// Irradiance of the same lights with shadows by maps, and by rays.
-fn maps_and_rays(scene: &str, shadows: &str, seed: u32) -> Option<[Image; 2]> {
+/// Irradiance of the same lights with shadows by maps, and by rays, of each seed.
+fn maps_and_rays(scene: &str, shadows: &str, seeds: &[u32]) -> Option<Vec<[Image; 2]>> {
     let folder = Folder::new(&[]);
     let gathered = |name: &str, shadows: &str| {
         let maps_alone = r#"parameters: { "settle": Bool(default: false) }"#;
@@ -264,13 +266,17 @@ fn maps_and_rays(scene: &str, shadows: &str, seed: u32) -> Option<[Image; 2]> {
         let values = [&values[..], &one].concat();
         let values = [&values[..], &bound].concat();
         let mut renderer = renderer_in(&folder, name, scene, (64, 48), &values)?;
-        renderer.set_seed(seed);
         renderer.keep("gather").unwrap();
-        renderer.frame().unwrap();
-        Some(renderer.picture("gather", 0).unwrap())
+        let of_seed = |seed: &u32| {
+            renderer.set_seed(*seed);
+            renderer.frame().unwrap();
+            renderer.picture("gather", 0).unwrap()
+        };
+        Some(seeds.iter().map(of_seed).collect::<Vec<_>>())
     };
     let rays = gathered("rays", r#"Replace("shadows", Pass(kind: "visibility-ray-traced"))"#)?;
-    Some([gathered("maps", shadows)?, rays])
+    let maps = gathered("maps", shadows)?;
+    Some(maps.into_iter().zip(rays).map(|(maps, rays)| [maps, rays]).collect())
 }
 
 /// Imperfect maps come nearer to rays with more points, and with larger maps: they are consistent.
@@ -280,7 +286,7 @@ fn imperfect_maps_converge_to_rays() {
         let error = |map: u32, per_texel: f32| {
             let changes =
                 format!(r#"Set("shadows.map", {map}), Set("shadows.points_per_texel", {per_texel:?})"#);
-            against_rays(scene, &changes, 0)
+            Some(against_rays(scene, &changes, &[0])?[0])
         };
         let Some((coarse, _)) = error(64, 0.25) else { return };
         let (many, _) = error(64, 8.0).unwrap();
@@ -295,8 +301,8 @@ fn imperfect_maps_converge_to_rays() {
 fn rays_settle_what_maps_cannot_tell() {
     for scene in ["atrium-spot", "nave"] {
         let settled = |settle: bool| {
-            let [maps, rays] = maps_and_rays(scene, &format!(r#"Set("shadows.settle", {settle})"#), 0)?;
-            let pair = Pair::new(&maps, &rays).unwrap();
+            let of_seeds = maps_and_rays(scene, &format!(r#"Set("shadows.settle", {settle})"#), &[0])?;
+            let pair = Pair::new(&of_seeds[0][0], &of_seeds[0][1]).unwrap();
             pair.rel_mse(Epsilon::default()).zip(pair.excess_and_missing())
         };
         let Some((error_of_maps, [_, missing_of_maps])) = settled(false) else { return };
@@ -348,8 +354,7 @@ fn maps_are_close_to_rays() {
         ("nave", imperfect, 1.5, 0.06),
     ] {
         // A few bright pixels decide the error of one seed.
-        let of_seeds = [1, 2, 3, 4, 5, 6, 7, 8].map(|seed| against_rays(scene, shadows, seed));
-        let Some(mut of_seeds) = of_seeds.into_iter().collect::<Option<Vec<_>>>() else { return };
+        let Some(mut of_seeds) = against_rays(scene, shadows, &[1, 2, 3, 4, 5, 6, 7, 8]) else { return };
         let energy = of_seeds.iter().map(|(_, energy)| energy).sum::<f64>() / of_seeds.len() as f64;
         of_seeds.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (error, _) = of_seeds[of_seeds.len() / 2];

@@ -46,29 +46,31 @@ fn flux_of_photons() -> Option<f64> {
     Some(fluxes(&lights(&mut renderer)).values().sum())
 }
 
-fn assert_furnace_keeps_its_flux(iterations: &[u32]) {
+/// The flux of a furnace after so many iterations is that of its walls, in the mean over so many seeds.
+fn assert_furnace_keeps_its_flux(iterations: &[u32], seeds: u32) {
     let albedo = 0.5;
     let scene = furnace([1.0; 3], [albedo; 3]);
     // Three bounces of a radiosity of π, of 6 faces of 4 m².
     let expected = PI * (albedo + albedo.powi(2) + albedo.powi(3)) * 24.0;
     for iterations in iterations {
-        // On which side a photon leaves a wall is random: the ratios of one iteration deviate by 2.6 %, of thirty by 0.7 %.
+        // On which side a photon leaves a wall is random: the ratios of one iteration deviate by 2.6 %, of thirty by 0.7 %,
+        // and so of 150 by less.
         let of_seed = |seed| flux_of_seed(seed, "smc-ir", Some(&scene), *iterations, &[]);
-        let Some(found) = (0..6).map(of_seed).collect::<Option<Vec<f64>>>() else { return };
-        let ratio = found.iter().sum::<f64>() / 6.0 / expected;
+        let Some(found) = (0..seeds).map(of_seed).collect::<Option<Vec<f64>>>() else { return };
+        let ratio = found.iter().sum::<f64>() / f64::from(seeds) / expected;
         assert!((ratio - 1.0).abs() < 0.01, "{iterations} iterations: {ratio} of {found:?}");
     }
 }
 
 #[test]
 fn a_furnace_has_the_flux_of_its_walls() {
-    assert_furnace_keeps_its_flux(&[1, 30]);
+    assert_furnace_keeps_its_flux(&[1, 30], 6);
 }
 
 #[test]
 #[ignore = "slow"]
 fn a_furnace_has_the_flux_of_its_walls_after_many_iterations() {
-    assert_furnace_keeps_its_flux(&[150]);
+    assert_furnace_keeps_its_flux(&[150], 2);
 }
 
 /// A floor under a black ceiling, 1 m above it.

@@ -46,7 +46,7 @@ fn times_begin_again_with_another_resolution() {
 /// On a processor the first picture is small, and comes to full size at rest; what moves is small again from its first frame.
 #[test]
 fn the_automatic_resolution_begins_small_on_a_processor() {
-    let Some(mut harness) = remembering("ism-invtm", "plane", Remembered::default()) else { return };
+    let Some(mut harness) = remembering("ism", "plane", Remembered::default()) else { return };
     pump(&mut harness, |app| !app.now.adapter.is_empty());
     if !harness.state().now.on_cpu {
         return;
