@@ -41,6 +41,14 @@ fn radical_inverse(base: u32, index: u32) -> f32 {
     return min(f32(reversed) / f32(scale), 0.99999994);
 }
 
+/// The element of a sequence that item i of `count` takes in a sample of a picture, so that the items of all samples are one sequence:
+/// their mean errs less than one of sequences that know nothing of each other. Items take turns, since elements whose places
+/// differ by `count` are near each other.
+fn element_of_sample(item: u32, count: u32, sample: u32) -> u32 {
+    let turn = multiply_high(sample * 0x9e3779b9u, count);
+    return sample * count + (item + turn) % count;
+}
+
 /// Element `index` of Halton's sequence in bases 2, 3, 5, shifted by the seed modulo 1; seed 0 gives the original.
 fn halton3(index: u32, seed: u32) -> vec3<f32> {
     let plain = vec3(radical_inverse(2u, index), radical_inverse(3u, index), radical_inverse(5u, index));

@@ -55,6 +55,7 @@ struct Settings {
     /// 0.05, min: 0.0, max: 1000.0]
     noise: f32,
     seed: u32,
+    sample: u32,
 }
 
 var<uniform> settings: Settings;
@@ -257,6 +258,16 @@ fn area_at(at: vec3<f32>, normal: vec3<f32>, start: f32) -> f32 {
 }
 #endif
 
+/// The element of the set that a ray of a pixel is. In a picture that is a mean over frames, the first rays of frames follow one another, and
+/// others, which not all frames have, are apart.
+fn element_of(rays: RaySet, ray: u32) -> u32 {
+    let before = settings.sample * select(OTHER_RAYS, rays.window, ray == 0u);
+    return before + ray * rays.window + rays.place;
+}
+
+/// More elements than the first rays of a window have.
+const OTHER_RAYS: u32 = 1048576u;
+
 /// The sum over rays, from `first` until before `end`, whose mean is the irradiance that bounded lights lack [W/m²].
 fn sum_of_rays(rays: RaySet, first: u32, end: u32) -> vec3<f32> {
     let bound = settings.irradiance_clamp * scene_info.dense_extent;
@@ -272,7 +283,7 @@ fn sum_of_rays(rays: RaySet, first: u32, end: u32) -> vec3<f32> {
     let tangents = frame_from_normal(rays.normal);
     var sum = vec3(0.0);
     for (var ray = first; ray < end; ray++) {
-        let direction = tangents * by_cosine(sobol2_of(ray * rays.window + rays.place, rays.seed));
+        let direction = tangents * by_cosine(sobol2_of(element_of(rays, ray), rays.seed));
         if dot(direction, rays.plane) <= 0.0 {
             continue;
         }

@@ -1,6 +1,7 @@
 // Samples virtual lights in proportion to an importance map by the inverse transform method. [TCAS §4.2, Fig. 2]
 //
-// Each light finds its texel in sums of the importance by three binary searches.
+// Each light finds its texel in sums of the importance by three binary searches. In a picture that is a mean over frames, the numbers of
+// each frame go on where those of the frame before end.
 
 #input rsm: ReflectiveShadowMap // The texels to sample.
 #input sums: ImportanceSums like rsm // Sums of what the probability of a texel is proportional to.
@@ -27,6 +28,7 @@ struct Settings {
     /// [default: 3, one_of: [3, 2]]
     dimensions: u32,
     seed: u32,
+    sample: u32,
 }
 
 var<uniform> settings: Settings;
@@ -79,7 +81,7 @@ fn draw(thread: Row) {
 #endif
         return;
     }
-    let numbers = halton3(light + 1u, settings.seed);
+    let numbers = halton3(element_of_sample(light, settings.count, settings.sample) + 1u, settings.seed);
     let two = settings.dimensions == 2u;
     // DEVIATION(least-probability): choose bounds it from below.
     let layer = choose(Distribution(LAYERS, 0u, 0u), layers, numbers.x);

@@ -11,7 +11,7 @@ use crate::pipeline::Pipelines;
 use crate::readback;
 use crate::step::{LoadedStep, usages as usages_of};
 use crate::timing::Timers;
-use crate::uniforms::Uniforms;
+use crate::uniforms::{Sample, Uniforms};
 use frame_graph::frame::FrameState;
 use frame_graph::plan::{Begins, HistoryId, PassId, Plan, ResourceId};
 use frame_graph::{Change, ResetCause, ResourceDesc};
@@ -80,9 +80,9 @@ pub struct Executor {
     scene_bindings: HashMap<&'static str, SceneBinding>,
     chosen_lights: HashMap<ChosenLights, wgpu::Buffer>,
     scene_indices: u32,
-    seed: u32,
+    sample: Sample,
     loaded: Option<Loaded>,
-    /// Changes for the next frame: from plans that were loaded, and from another seed.
+    /// Changes for the next frame: from plans that were loaded, and from another sample.
     pending: Change,
     /// The result of the last frame.
     report: FrameReport,
@@ -118,7 +118,7 @@ impl Executor {
             scene_bindings: HashMap::new(),
             chosen_lights: HashMap::new(),
             scene_indices: 0,
-            seed: 0,
+            sample: Sample::default(),
             loaded: None,
             pending: Change::default(),
             report: FrameReport::default(),
@@ -171,10 +171,12 @@ impl Executor {
         self.scene_indices = count;
     }
 
-    /// Sets the run's seed; if it changes, the passes whose steps read one run again.
-    pub fn set_seed(&mut self, seed: u32) {
-        if self.seed != seed {
-            self.seed = seed;
+    /// Sets the run's seed and the number of the sample that the next frame is; if one changes, the passes whose random numbers follow them
+    /// run again.
+    pub fn set_sample(&mut self, run_seed: u32, number: u32) {
+        let sample = Sample { run_seed, number };
+        if self.sample != sample {
+            self.sample = sample;
             let uniforms = self.loaded.as_ref().and_then(|loaded| loaded.uniforms.as_ref());
             let seeded = uniforms.into_iter().flat_map(Uniforms::seeded_passes);
             self.pending.reseeded.extend(seeded);

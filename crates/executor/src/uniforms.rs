@@ -17,10 +17,26 @@ pub(crate) struct Uniforms {
     /// The bytes that differ from those in the buffer lie in here.
     unwritten: Range<usize>,
     words: Vec<PlacedWord>,
-    /// The run's seed for which `seeds` are; `None` before the first frame.
-    run_seed: Option<u32>,
-    /// One entry a pass.
-    seeds: Vec<u32>,
+    /// The sample for which `seeds` are; `None` before the first frame.
+    sample: Option<Sample>,
+    /// For each pass, its seed in this sample, and that in the first.
+    seeds: Vec<[u32; 2]>,
+}
+
+/// Which random numbers a frame takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Sample {
+    /// The run's seed.
+    pub(crate) run_seed: u32,
+    /// The number of the sample that the frame is.
+    pub(crate) number: u32,
+}
+
+impl Sample {
+    /// The seed of a sample: that of the run for the first.
+    fn seed(self) -> u32 {
+        self.run_seed ^ self.number.wrapping_mul(0x9e37_79b9)
+    }
 }
 
 /// A word that can differ between frames.
@@ -57,8 +73,8 @@ impl Uniforms {
             bytes: vec![0; size as usize],
             unwritten: 0..0,
             words: Vec::new(),
-            run_seed: None,
-            seeds: vec![0; plan.passes.len()],
+            sample: None,
+            seeds: vec![[0; 2]; plan.passes.len()],
         };
         uniforms.fill(steps);
         Some(uniforms)
@@ -79,22 +95,26 @@ impl Uniforms {
         self.unwritten = 0..self.bytes.len();
     }
 
-    /// The passes that read the run's seed.
+    /// The passes whose random numbers differ between samples.
     pub(crate) fn seeded_passes(&self) -> impl Iterator<Item = PassId> {
-        let seeded = self.words.iter().filter(|word| matches!(word.word.value, FrameValue::Seed));
+        let is_seeded = |value| matches!(value, FrameValue::Seed | FrameValue::Sample);
+        let seeded = self.words.iter().filter(move |word| is_seeded(word.word.value));
         seeded.map(|word| PassId(word.pass as u32))
     }
 
     /// Writes what differs for the passes that run.
-    pub(crate) fn write(&mut self, gpu: &Gpu, plan: &Plan, schedule: &FrameSchedule, seed: u32) {
-        if self.run_seed != Some(seed) {
-            self.run_seed = Some(seed);
+    pub(crate) fn write(&mut self, gpu: &Gpu, plan: &Plan, schedule: &FrameSchedule, sample: Sample) {
+        if self.sample != Some(sample) {
+            self.sample = Some(sample);
             let seeds = self.seeds.iter_mut().zip(&plan.passes);
-            seeds.for_each(|(held, pass)| *held = pass_seed(seed, &pass.name));
+            let of_runs = [sample.seed(), sample.run_seed];
+            seeds.for_each(|(held, pass)| *held = of_runs.map(|seed| pass_seed(seed, &pass.name)));
         }
         for PlacedWord { at, pass, word } in self.words.iter().filter(|word| schedule.runs[word.pass]) {
             let value = match word.value {
-                FrameValue::Seed => self.seeds[*pass],
+                FrameValue::Seed => self.seeds[*pass][0],
+                FrameValue::RunSeed => self.seeds[*pass][1],
+                FrameValue::Sample => sample.number,
                 FrameValue::Past(history, fact) => past(&schedule.histories[history.0 as usize], fact),
             };
             let (range, bytes) = (*at..at + 4, word.bytes(value));

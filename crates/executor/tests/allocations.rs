@@ -130,7 +130,7 @@ fn dispatches_allocate_what_wgpu_does() {
     let _alone = alone();
     let Some(gpu) = gpu() else { return };
     let Some(Running(mut executor)) = chain(LENGTH) else { return };
-    executor.set_seed(3);
+    executor.set_sample(3, 0);
     run(&mut executor, &all());
     let owned = dispatches(&executor);
     assert_eq!(owned.len(), LENGTH);

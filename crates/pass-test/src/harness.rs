@@ -52,6 +52,7 @@ pub struct Harness<'a> {
     events: Vec<(u32, ResetCause)>,
     traits: BTreeMap<String, Value>,
     seed: u32,
+    sample: u32,
     any_order: bool,
 }
 
@@ -75,6 +76,7 @@ impl<'a> Harness<'a> {
             events: Vec::new(),
             traits: BTreeMap::new(),
             seed: 0,
+            sample: 0,
             any_order: true,
         }
     }
@@ -162,6 +164,12 @@ impl<'a> Harness<'a> {
     /// Sets the run's seed; 0 gives plain sequences.
     pub fn seed(mut self, seed: u32) -> Self {
         self.seed = seed;
+        self
+    }
+
+    /// Sets which sample of a picture the frames are.
+    pub fn sample(mut self, number: u32) -> Self {
+        self.sample = number;
         self
     }
 
@@ -303,7 +311,7 @@ impl<'a> Harness<'a> {
         let mut executor = Executor::new(gpu);
         let mut view = SceneView::upload(&mut executor, scene);
         view.provide(&mut executor, scene, steps.iter().flatten().flat_map(|step| step.scene_bindings()))?;
-        executor.set_seed(self.seed);
+        executor.set_sample(self.seed, self.sample);
         executor.load(Arc::clone(&plan), steps)?;
         let past = self.given.iter().filter_map(|given| given.age).max().unwrap_or(0);
         for frame in 0..past + self.frames {

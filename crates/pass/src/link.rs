@@ -20,6 +20,7 @@ mod uniform;
 
 pub use contents::{BoundLayout, layout_of};
 pub use uniform::{FrameValue, FrameWord, PastFact, UniformFill};
+pub(crate) use uniform::{SAMPLE, SEED};
 
 /// The source that a global is bound to.
 #[derive(Clone, Debug, PartialEq)]

@@ -209,7 +209,8 @@ pub const LARGEST_WINDOW: u64 = 128 << 20;
 ///
 /// The uniform `settings` of its shader is filled member by member, from the first of these that has the
 /// name: `values` of the step; the settings of the pass; `seed` (u32, a hash of the run's seed and the pass's
-/// name); `PORT_size` (`vec2<u32>`, texels of the port's first texture), `PORT_layers`,
+/// name, and of the sample that the frame is); `sample` (u32, the number of that sample, 0 where a picture is no mean over frames), where
+/// `seed` is the same in all samples; `PORT_size` (`vec2<u32>`, texels of the port's first texture), `PORT_layers`,
 /// `PORT_supersampling` (texels of a row of it in a pixel of the frame, at least 1), `PORT_FACT` for each
 /// fact, which is 0 where it is optional and left out; and for an input that is a history buffer `PORT_age` (frames, 0 where there is no history) and `PORT_reset`.
 /// A member that is a struct is filled member by member, with values named `MEMBER.NAME`.

@@ -30,6 +30,7 @@ mod shader_pass;
 mod steps;
 mod written;
 
+use crate::link::{SAMPLE, SEED};
 use crate::{
     InputPort, OutputContext, OutputDesc, PassTypeError, Ports, RecordContext, Recording, Request,
     SceneBindings, Setting, Settings, Traits, UseContext, Value, scene_bindings,
@@ -390,7 +391,9 @@ fn of_entries(shader: &Shader, stage: Option<Stage>) -> SceneBindings {
     let run = interface.entries.iter().filter(|entry| stage.is_none() || is_run(entry, stage));
     let read = run.flat_map(|entry| &entry.globals).map(|&global| &interface.globals[global]);
     let bindings = read.filter_map(|global| match &global.kind {
-        GlobalKind::Uniform { layout } if interface.member(&layout.ty, "seed").is_some() => {
+        GlobalKind::Uniform { layout }
+            if [SEED, SAMPLE].iter().any(|name| interface.member(&layout.ty, name).is_some()) =>
+        {
             Some(SceneBindings::SEED)
         }
         _ => scene_bindings::of_global(&global.name),

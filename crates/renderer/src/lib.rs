@@ -101,11 +101,6 @@ struct Loaded {
 /// A function that gives a plan to an executor: as files describe it, or with values that were set.
 type Load = fn(&mut Executor, Arc<Plan>, Vec<LinkedSteps>) -> Result<LoadReport, ExecutorError>;
 
-/// The seed of a sample: that of the run for the first.
-fn seed_of_sample(seed: u32, sample: u32) -> u32 {
-    seed ^ sample.wrapping_mul(0x9e37_79b9)
-}
-
 /// Returns the place of the sample in each pixel, from its centre \[px\]: the first in the centre, then Halton's sequence in bases 2
 /// and 3.
 fn place_of_sample(sample: u32) -> Vec2 {
@@ -207,7 +202,7 @@ impl Renderer {
         let report = load(&mut self.executor, Arc::clone(&compiled.plan), compiled.steps.clone())?;
         let sampled = compiled.is_sampled();
         if !sampled {
-            self.executor.set_seed(self.seed);
+            self.executor.set_sample(self.seed, 0);
             self.view.set_jitter(Vec2::ZERO);
             // Where frames are samples, a sum may go on through the change of a value: no sample comes twice.
             self.sample = 0;
@@ -334,7 +329,7 @@ impl Renderer {
     pub fn set_seed(&mut self, seed: u32) {
         self.seed = seed;
         self.sample = 0;
-        self.executor.set_seed(seed);
+        self.executor.set_sample(seed, 0);
     }
 
     /// Sets the number of the next frame, and with it the time of animations.
@@ -376,7 +371,7 @@ impl Renderer {
             self.pose.lights.clone_from(lights);
         }
         if self.pipeline.as_ref().is_some_and(|loaded| loaded.sampled) {
-            self.executor.set_seed(seed_of_sample(self.seed, self.sample));
+            self.executor.set_sample(self.seed, self.sample);
             self.view.set_jitter(place_of_sample(self.sample));
             self.change.resampled = SceneBindings::SAMPLE;
             self.sample += 1;

@@ -23,6 +23,11 @@ fn over_plane(height: f32, before: [f32; 4]) -> Harness<'static> {
 
 /// The same with a height for each column of pixels.
 fn over_plane_by(height: impl Fn(u32) -> f32, before: [f32; 4]) -> Harness<'static> {
+    receivers(height).irradiance((4, 2), |_, _| before)
+}
+
+/// The same without the irradiance.
+fn receivers(height: impl Fn(u32) -> f32) -> Harness<'static> {
     let mut scene = pass_test::scene("plane");
     let sun = LightKind::Directional;
     let light = scene.lights[0].clone();
@@ -39,7 +44,6 @@ fn over_plane_by(height: impl Fn(u32) -> f32, before: [f32; 4]) -> Harness<'stat
         })
         .frame(SIDE, SIDE)
         .seen(|x, _| (1.0 - height(x), [0.0, -1.0, 0.0]))
-        .irradiance((4, 2), |_, _| before)
 }
 
 /// The compensated irradiance of these receivers, where lights have the one bound `bound` \[m\].
@@ -261,6 +265,26 @@ fn a_window_shares_its_rays() {
 
 /// The samples of a pixel that see one surface share the rays of one of them, and those that see another trace their own: each surface
 /// gets what it lacks.
+/// The rays of a pixel that has a set of its own are stratified over the samples of a picture: their mean errs less than that of as many seeds.
+#[test]
+fn samples_of_a_picture_are_one_set() {
+    const COUNT: u32 = 32;
+    let mean_of = |places: &dyn Fn(Harness<'static>, u32) -> Harness<'static>| -> Option<f64> {
+        let mut sums = vec![0.0; (SIDE * SIDE) as usize];
+        for i in 0..COUNT {
+            let harness = receivers(|_| 0.05).irradiance((1, 1), |_, _| [0.0; 4]);
+            let harness = harness.fact("clamp", 0.4 / EXTENT).set("most_rays", 1u32);
+            let pixels: Vec<[f32; 4]> = places(harness, i).run()?.read("compensated");
+            sums.iter_mut().zip(&pixels).for_each(|(sum, pixel)| *sum += f64::from(pixel[0]));
+        }
+        sums.iter_mut().for_each(|sum| *sum /= f64::from(COUNT));
+        Some(variance(&sums))
+    };
+    let Some(of_seeds) = mean_of(&|harness, i| harness.seed(i + 1)) else { return };
+    let of_samples = mean_of(&|harness, i| harness.seed(1).sample(i)).unwrap();
+    assert!(of_samples < 0.25 * of_seeds, "{of_samples} for {of_seeds}");
+}
+
 #[test]
 fn samples_of_a_pixel_share_rays() {
     let of = |low: f32| {

@@ -26,7 +26,7 @@ impl Executor {
             scene_bindings,
             chosen_lights,
             scene_indices,
-            seed,
+            sample,
             loaded,
             pending,
             report,
@@ -42,7 +42,7 @@ impl Executor {
         report.partial = !pending.only.is_empty();
         pending.clear();
         if let Some(uniforms) = uniforms {
-            uniforms.write(gpu, plan, schedule, *seed);
+            uniforms.write(gpu, plan, schedule, *sample);
         }
         if let Some(byte) = options.poison
             && poison.as_ref().is_none_or(|(of, _)| *of != byte)

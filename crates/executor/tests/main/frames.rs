@@ -275,11 +275,46 @@ fn uniforms_follow_the_seed() {
     assert_eq!(running.frame().ran, [true]);
     assert_eq!(running.read("use.out"), [0, 42, 8, 4]);
     assert_eq!(running.frame().ran, [false], "nothing has changed");
-    running.0.set_seed(17);
+    running.0.set_sample(17, 0);
     assert_eq!(running.frame().ran, [true]);
     assert_eq!(running.read("use.out"), [pass::pass_seed(17, "use"), 42, 8, 4]);
-    running.0.set_seed(17);
+    running.0.set_sample(17, 0);
     assert_eq!(running.frame().ran, [false], "the seed is the same");
+}
+
+/// A uniform that has the number of the sample has the same seed in all samples, and the others one of each.
+#[test]
+fn uniforms_follow_the_sample() {
+    let report = "
+        struct Settings { seed: u32, sample: u32 }
+        var<uniform> settings: Settings;
+        var<storage, read_write> out: array<u32>;
+        @compute @workgroup_size(1) fn main() {
+            out[0] = settings.seed;
+            out[1] = settings.sample;
+        }";
+    let without = report.replace(", sample: u32", "").replace("settings.sample", "0u");
+    let kind = |file: &'static str| {
+        TestPass::new(&file[..file.len() - 5])
+            .output(OutputDesc::one("out", words(2)))
+            .steps(move |_| vec![Step::Compute(run(file))])
+    };
+    let kinds = vec![kind("sampled.wgsl"), kind("seeded.wgsl")];
+    let workshop = Workshop::new(kinds, &[("sampled.wgsl", report), ("seeded.wgsl", &without)]);
+    let passes = r#""sampled": Pass(kind: "sampled"), "seeded": Pass(kind: "seeded")"#;
+    let outputs = r#""a": "sampled.out", "b": "seeded.out""#;
+    let Some(mut running) = workshop.start(passes, outputs) else { return };
+    let mut read = |sample: u32| {
+        running.0.set_sample(17, sample);
+        assert_eq!(running.frame().ran, [true, true]);
+        ["sampled.out", "seeded.out"].map(|output| running.read(output)[..2].to_vec())
+    };
+    let [first, third] = [read(0), read(2)];
+    assert_eq!(first, [[pass::pass_seed(17, "sampled"), 0], [pass::pass_seed(17, "seeded"), 0]]);
+    assert_eq!(third[0], [first[0][0], 2]);
+    assert_ne!(third[1][0], first[1][0]);
+    running.0.set_sample(17, 2);
+    assert_eq!(running.frame().ran, [false, false], "the sample is the same");
 }
 
 #[test]

@@ -19,8 +19,10 @@ pub struct UniformFill {
     pub values: BTreeMap<String, Value>,
     /// Members about history buffers: name, history buffer, and whether it is the age or the cause of the reset.
     pub past: Vec<(String, HistoryId, PastFact)>,
-    /// Whether it has a member for the seed.
+    /// Whether a member `seed` is the seed of the pass.
     pub seeded: bool,
+    /// Whether a member `sample` is the number of the sample that the frame is. The seed is then that of the run, the same in all samples.
+    pub sampled: bool,
 }
 
 /// A word of a uniform that can differ between frames.
@@ -37,8 +39,12 @@ pub struct FrameWord {
 /// The value of a [`FrameWord`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameValue {
-    /// The seed of the pass.
+    /// The seed of the pass in this sample.
     Seed,
+    /// The seed of the pass in the first sample.
+    RunSeed,
+    /// The number of the sample.
+    Sample,
     /// The age or the reset cause of a history buffer.
     Past(HistoryId, PastFact),
 }
@@ -60,7 +66,7 @@ pub enum PastFact {
 }
 
 impl UniformFill {
-    /// Returns the bytes of the uniform. `past` returns the age or the reset cause of a history buffer.
+    /// Returns the bytes of the uniform in the first sample. `past` returns the age or the reset cause of a history buffer.
     pub fn bytes(&self, seed: u32, past: impl Fn(HistoryId, PastFact) -> u32) -> Vec<u8> {
         // Linking has proved that every member has a value that it can hold.
         shader_library::write_struct(&self.layout, &|name| self.value(name, seed, &past)).unwrap_or_default()
@@ -72,7 +78,9 @@ impl UniformFill {
             let past = self.past.iter().find(|(name, ..)| *name == member.name);
             let value = match past {
                 Some((_, history, fact)) => FrameValue::Past(*history, *fact),
-                None if self.seeded && member.name == "seed" => FrameValue::Seed,
+                None if self.seeded && member.name == SEED && self.sampled => FrameValue::RunSeed,
+                None if self.seeded && member.name == SEED => FrameValue::Seed,
+                None if self.sampled && member.name == SAMPLE => FrameValue::Sample,
                 None => return None,
             };
             Some(FrameWord { offset: member.offset as usize, value, float: member.ty == "f32" })
@@ -88,12 +96,21 @@ impl UniformFill {
         if let Some((_, history, fact)) = self.past.iter().find(|(member, ..)| member == name) {
             return Some(Value::U32(past(*history, *fact)));
         }
-        if self.seeded && name == "seed" {
+        if self.seeded && name == SEED {
             return Some(Value::U32(seed));
+        }
+        if self.sampled && name == SAMPLE {
+            return Some(Value::U32(0));
         }
         self.values.get(name).cloned()
     }
 }
+
+/// The member that is a seed of random numbers.
+pub(crate) const SEED: &str = "seed";
+
+/// The member that counts the samples of a picture.
+pub(crate) const SAMPLE: &str = "sample";
 
 /// The values that the names of members can mean.
 #[derive(Default)]
@@ -236,12 +253,17 @@ impl StepLinker<'_> {
             return Err(self.error(&codes::SETTINGS, message, place, Vec::new()));
         };
         let flat = flattened(layout, &shader.interface.structs, global.name == "settings");
-        let seeded = !known.values.contains_key("seed");
+        let given_by_frame = |name: &str| !known.values.contains_key(name);
+        let (seeded, sampled) = (given_by_frame(SEED), given_by_frame(SAMPLE));
+        let sampled = sampled && flat.members.iter().any(|member| member.name == SAMPLE);
         for member in flat.members.iter().filter(|member| !is_padding(&member.name)) {
-            if known.gives(&member.name) || (seeded && member.name == "seed") {
+            if known.gives(&member.name)
+                || (seeded && member.name == SEED)
+                || (sampled && member.name == SAMPLE)
+            {
                 continue;
             }
-            let near = nearest(&member.name, known.names().chain(["seed"]));
+            let near = nearest(&member.name, known.names().chain([SEED, SAMPLE]));
             let mut notes: Vec<String> =
                 near.map(|name| format!("did you mean `{name}`?")).into_iter().collect();
             notes.extend(about);
@@ -261,7 +283,7 @@ impl StepLinker<'_> {
         for member in flat.members.iter().filter(|member| is_padding(&member.name)) {
             known.values.entry(member.name.clone()).or_insert(Value::U32(0));
         }
-        let fill = UniformFill { layout: flat, values: known.values, past: known.past, seeded };
+        let fill = UniformFill { layout: flat, values: known.values, past: known.past, seeded, sampled };
         match shader_library::write_struct(&fill.layout, &|name| fill.value(name, 0, |_, _| 0)) {
             Ok(_) => Ok(fill),
             Err(refused) => Err(self.error(&codes::VALUE, format!("{path}: {refused}"), place, Vec::new())),

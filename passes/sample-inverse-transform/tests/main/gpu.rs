@@ -14,6 +14,17 @@ fn flux(texel: u32) -> [f32; 3] {
 
 /// Samples a reflective shadow map whose texel i lies at (i, 0, 0).
 fn draw(map: &[f32], size: (u32, u32), settings: (u32, u32), seed: u32) -> Option<Outputs> {
+    draw_sample(map, size, settings, seed, 0)
+}
+
+/// The same in a sample of a picture.
+fn draw_sample(
+    map: &[f32],
+    size: (u32, u32),
+    settings: (u32, u32),
+    seed: u32,
+    sample: u32,
+) -> Option<Outputs> {
     let texel = |i: u32| {
         let [red, green, blue] = flux(i);
         RsmTexel {
@@ -24,11 +35,34 @@ fn draw(map: &[f32], size: (u32, u32), settings: (u32, u32), seed: u32) -> Optio
     };
     let texels: Vec<RsmTexel> = (0..map.len() as u32).map(texel).collect();
     let harness = Harness::new(PASS).set("count", settings.0).set("dimensions", settings.1).seed(seed);
+    let harness = harness.sample(sample);
     harness.rsm(size, &texels).importance_sums(size, map).run()
 }
 
 fn lights(outputs: &Outputs) -> Vec<VirtualLight> {
     outputs.lights("lights")
+}
+
+/// The lights of all samples of a picture are those of one sequence, and a place among the lights of a sample has other parts of it in each.
+#[test]
+fn samples_of_a_picture_are_one_sequence() {
+    const COUNT: u32 = 48;
+    const SAMPLES: u32 = 8;
+    let texels = |count: u32, sample: u32| -> Option<Vec<u32>> {
+        let outputs = draw_sample(&importance(1), SIZE, (count, 3), 7, sample)?;
+        Some(lights(&outputs).iter().map(|light| light.texel).collect())
+    };
+    let Some(mut whole) = texels(COUNT * SAMPLES, 0) else { return };
+    let of_samples: Vec<Vec<u32>> = (0..SAMPLES).map(|sample| texels(COUNT, sample).unwrap()).collect();
+    assert_eq!(of_samples[0], whole[..COUNT as usize]);
+    let second = &whole[COUNT as usize..2 * COUNT as usize];
+    let turn =
+        (0..COUNT as usize).find(|turn| [&second[*turn..], &second[..*turn]].concat() == of_samples[1]);
+    assert!(turn.is_some_and(|turn| turn > 0), "{turn:?}");
+    let mut together = of_samples.concat();
+    together.sort_unstable();
+    whole.sort_unstable();
+    assert_eq!(together, whole);
 }
 
 #[test]
