@@ -131,21 +131,24 @@ fn at_rest_the_picture_converges_and_stands() {
 /// In a slow walk the picture is nearer to the mean of many samples than a frame alone is, and as bright.
 #[test]
 fn a_walk_keeps_what_it_has_seen() {
-    let Some(mut renderer) = reprojected("cornell-box") else { return };
-    let camera = renderer.scene().camera;
     const FRAMES: u32 = 24;
     const SEEDS: u32 = 4;
+    // Thin faces that are lit are too bright, since a mean along a surface shows none of what lies beside it in the pixel: by 2.0 % of the
+    // energy of 64×48 pixels, and by 1.8 % of that of these.
+    const LARGER: (u32, u32) = (96, 72);
+    let in_box = |pipeline: &str, values: &[&str]| renderer(pipeline, "cornell-box", LARGER, values);
+    let Some(mut walking) = in_box("ism-invtm-reprojected", FEW) else { return };
+    let camera = walking.scene().camera;
     let mut walk_of_seed = |seed: u32| {
-        renderer.set_seed(seed);
+        walking.set_seed(seed);
         for frame in 0..=FRAMES {
-            renderer.set_camera(walked(camera, frame), frame == 0);
-            renderer.frame().unwrap();
+            walking.set_camera(walked(camera, frame), frame == 0);
+            walking.frame().unwrap();
         }
-        indirect(&renderer)
+        indirect(&walking)
     };
     let still = |pipeline: &str, values: &[&str]| {
-        let mut renderer = crate::adapter::renderer(pipeline, "cornell-box", SIZE, &[FEW, values].concat())
-            .expect("the adapter is still there");
+        let mut renderer = in_box(pipeline, &[FEW, values].concat()).expect("the adapter is still there");
         renderer.set_camera(walked(camera, FRAMES), false);
         done(&mut renderer);
         indirect(&renderer)
@@ -160,8 +163,7 @@ fn a_walk_keeps_what_it_has_seen() {
     let mean = |of: fn(&(f64, f64)) -> f64| walks.iter().map(of).sum::<f64>() / f64::from(SEEDS);
     let (walk, bright, (single, _)) = (mean(|walk| walk.0), mean(|walk| walk.1), measured(&alone));
     assert!(walk < 0.5 * single, "{walk} in the walk, {single} alone");
-    // Thin faces that are lit are 2 % too bright: a mean along a surface shows none of what lies beside it in the pixel.
-    assert!((bright - 1.0).abs() < 0.03, "{bright} of the energy");
+    assert!((bright - 1.0).abs() < 0.02, "{bright} of the energy");
 }
 
 /// After a cut there is nothing of what was before.
