@@ -2,7 +2,8 @@
 
 use crate::adapter::{SMALL, bits, gpu, renderer, root, set, shown};
 use crate::program::Folder;
-use frame_graph::CompileOptions;
+use frame_graph::plan::PlannedPass;
+use frame_graph::{CompileOptions, SceneBindings};
 use glam::Vec3;
 use renderer::{Assets, Catalog, FrameOptions, Renderer};
 use scene::Camera;
@@ -93,6 +94,32 @@ fn only_what_changed_runs() {
     renderer.set_camera(None, false);
     renderer.frame().unwrap();
     assert!(bits(&renderer.output("image").unwrap()) == still, "and comes back with it, bit for bit");
+}
+
+/// A sample of a picture runs what random numbers, the place within pixels or an input changes, and nothing whose memory another pass took.
+#[test]
+fn samples_run_nothing_again_that_is_the_same() {
+    let small = &["lights=16", "rsm.size=32"][..];
+    // With all of its lights, which share memory with sums that stay.
+    for (pipeline, values) in [
+        ("ism-invtm-accumulated", small),
+        ("progressive-instant-radiosity", small),
+        ("restir-vpl-accumulated", &[]),
+    ] {
+        let Some(mut renderer) = renderer(pipeline, "cornell-box-lights", (20, 15), values) else { return };
+        let ran = (0..3).map(|_| renderer.frame().unwrap().ran.clone()).last().unwrap();
+        let plan = renderer.plan().unwrap();
+        let changes = |pass: &PlannedPass| {
+            let read = [SceneBindings::CAMERA, SceneBindings::SAMPLE, SceneBindings::SEED];
+            let reads = read.into_iter().any(|binding| pass.scene_bindings.contains(binding));
+            reads || pass.inputs.iter().any(|input| ran[input.producer.0 as usize])
+        };
+        let again = plan.passes.iter().zip(&ran).filter(|(pass, ran)| **ran && !changes(pass));
+        let again: Vec<_> = again.map(|(pass, _)| &*pass.name).collect();
+        assert!(again.is_empty(), "{pipeline} runs {again:?} again");
+        let rsm = plan.pass("rsm").expect("a reflective shadow map");
+        assert!(!ran[rsm.0 as usize] && ran.contains(&true), "{pipeline}");
+    }
 }
 
 /// A picture is done with a whole frame, which is reported: where maps are kept without progress, with the first; where one step

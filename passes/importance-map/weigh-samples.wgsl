@@ -1,6 +1,8 @@
 // Weighs the samples of the view by what they receive, so that what a light contributes to a dark place counts as much as the same
 // share of the light of a bright one. What a sample receives is estimated by rays to random texels.
 
+#option MEASURE contribution one_of [contribution, flux, reflectance] // contribution alone has weights
+
 #import "algorithms/scaled.wgsl"
 #import "color.wgsl"
 #import "dispatch.wgsl"
@@ -67,6 +69,7 @@ fn light_of(sample: ViewSample, index: u32, ray: u32) -> LightSum {
     return LightSum(scaled_weight(light), all);
 }
 
+#if MEASURE == contribution
 /// One workgroup for each sample.
 @compute @workgroup_size(RAYS)
 fn receive(row: Row) {
@@ -105,3 +108,4 @@ fn weigh(@builtin(local_invocation_index) thread: u32) {
         samples[i].response *= mean / (received[i] + LEAST * mean);
     }
 }
+#endif

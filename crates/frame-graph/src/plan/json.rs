@@ -29,7 +29,9 @@ impl SceneBindings {
             (SceneBindings::CAMERA, "camera"),
             (SceneBindings::LIGHTS, "lights"),
             (SceneBindings::FRAME, "frame"),
+            (SceneBindings::SAMPLE, "sample"),
             (SceneBindings::PREVIOUS, "previous positions"),
+            (SceneBindings::SEED, "seed"),
         ];
         all.into_iter().filter(|(bit, _)| self.contains(*bit)).map(|(_, name)| name).collect()
     }
