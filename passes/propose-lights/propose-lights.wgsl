@@ -1,12 +1,15 @@
 // Chooses a virtual light for each pixel, nearly in proportion to what the light gives there. [Talbot et al. 2005; Bitterli et al. 2020]
 //
-// Candidates are chosen among all lights, in strata; one of them is kept by its target over the probability of proposing it. A
+// Candidates are chosen among all lights, in strata; some of them are kept, by their target over the probability of proposing them. A
 // module of the visibility is a factor of the target, as a guess: it decides how often a light is chosen, and not what the light gives.
+//
+// The reservoirs of a pixel choose among the same candidates, each in a part of the sum of their weights, and the samples of a picture
+// choose at numbers of one sequence. Where the lights are in the order of a tree, those parts are parts of space.
 
 #input view: GBuffer // The pixels for which lights are chosen.
 #input lights: VirtualLights // The lights.
-#input tree: LightTree optional // A tree over the lights: with it, candidates are chosen down the tree, nearly in proportion to what they
-    // give to the pixel without occluders. They cost more, and fewer are needed.
+#input tree: LightTree optional // A tree over the lights, which gives candidates that are chosen all alike the order of its leaves: what a
+    // pixel chooses is then spread over the scene. With `descend`, candidates are chosen down the tree.
 #input visibility: Visibility optional // Guess of the visibility of the lights; without it, the target has none.
 #output reservoirs: Reservoirs(
     count: view.width * view.height * settings.per_pixel,
@@ -16,9 +19,10 @@
     doubt: settings.doubt,
 ) // The lights that were chosen.
 
-#option PROPOSAL power one_of [power, uniform] // How candidates are chosen where there is no tree. power: in proportion to the
-    // luminance of their flux. uniform: all alike, which is in proportion to their importance or their flux where the lights were
-    // sampled by that.
+#option PROPOSAL power one_of [power, uniform] // How candidates are chosen. power: in proportion to the luminance of their flux.
+    // uniform: all alike, which is in proportion to their importance or their flux where the lights were sampled by that.
+#option DESCEND false // Whether candidates are chosen down the tree, where there is one: nearly in proportion to what they give to the
+    // pixel without occluders. They cost more, and fewer are needed.
 #option TREE false // whether there is a tree over the lights
 #option VISIBILITY false // whether something guesses which lights are seen
 
@@ -26,11 +30,14 @@
 #import "dispatch.wgsl"
 #import "random.wgsl"
 #import "resampling.wgsl"
+#import "sobol.wgsl"
 #import "view-place.wgsl"
-#if TREE
+#if TREE && DESCEND
 #import "light-tree.wgsl"
 #elif PROPOSAL == power
 #import "cumulative-choice.wgsl"
+#elif TREE
+#import "light-nodes.wgsl"
 #endif
 #if VISIBILITY
 #import interface "visibility"
@@ -38,7 +45,7 @@
 
 struct Settings {
     view_size: vec2<u32>,
-    /// Candidates of each reservoir. More: less noise, and more time. [default: 32, min: 1, max: 65536]
+    /// Candidates of each pixel. More: less noise, and more time. [default: 32, min: 1, max: 65536]
     candidates: u32,
     /// Reservoirs of a pixel, each of which costs a ray. [default: 1, min: 1, max: 16]
     per_pixel: u32,
@@ -55,35 +62,45 @@ struct Settings {
     /// The candidates that this dispatch takes: `begin` to `end`.
     begin: u32,
     end: u32,
-    /// 1 for the dispatch that takes the last candidates.
-    last: u32,
     seed: u32,
+    sample: u32,
 }
 
 var<uniform> settings: Settings;
 var<storage, read> lights: VirtualLights;
 var<storage, read_write> reservoirs: Reservoirs;
+/// For each block of candidates, and in it for each pixel, the sum of the weights of these and of those before.
+/// [scratch, count: view.width * view.height * ((settings.candidates + BLOCK - 1) / BLOCK)]
+var<storage, read_write> sums: array<f32>;
 
-/// A light, and the probability of proposing it.
+/// Candidates whose sum is kept, so that only those of the blocks that are chosen from are evaluated again.
+const BLOCK: u32 = 8u;
+
+/// A light, and the probability of proposing it; 0 where there is none.
 struct Proposal {
     index: u32,
     probability: f32,
 }
 
-/// A number in a stratum of [0, 1), below 1 also where it is rounded.
-fn number_in(stratum: u32, bits: u32) -> f32 {
-    return min((f32(stratum) + unit_float(bits)) / f32(settings.candidates), 0.99999994);
+fn light_count() -> u32 {
+    return min(lights.count, arrayLength(&lights.lights));
 }
 
-#if TREE
-fn propose(count: u32, stratum: u32, bits: u32, receiver: Receiver) -> Proposal {
+/// The greatest number below 1.
+const BELOW_ONE: f32 = 0.99999994;
+
+/// A number in a stratum of [0, 1), below 1 also where it is rounded.
+fn number_in(stratum: u32, bits: u32) -> f32 {
+    return min((f32(stratum) + unit_float(bits)) / f32(settings.candidates), BELOW_ONE);
+}
+
+#if TREE && DESCEND
+fn propose(stratum: u32, bits: u32, receiver: Receiver) -> Proposal {
+    // So the tree can choose any light, as the target asks.
+    light_floor = vec2(settings.least * term_at_extent(), settings.least);
     let width = 0xffffffffu / settings.candidates;
     let choice = choose_light(receiver.at, receiver.normal, stratum * width + multiply_high(bits, width));
     return Proposal(choice.index, choice.probability);
-}
-
-fn is_dark(count: u32) -> bool {
-    return tree.count == 0u;
 }
 #elif PROPOSAL == power
 /// Sums of the luminance of the lights' flux.
@@ -97,71 +114,144 @@ fn cumulated(which: Distribution, i: u32) -> f32 {
     return power_sums[i];
 }
 
-fn propose(count: u32, stratum: u32, bits: u32, receiver: Receiver) -> Proposal {
+fn propose(stratum: u32, bits: u32, receiver: Receiver) -> Proposal {
+    let count = light_count();
+    if count == 0u || power_sums[max(count, 1u) - 1u] <= 0.0 {
+        return Proposal();
+    }
     let choice = choose(Distribution(0u), count, number_in(stratum, bits));
     return Proposal(choice.index, choice.probability);
 }
+#elif TREE
+var<storage, read> tree: LightTree;
 
-fn is_dark(count: u32) -> bool {
-    return count == 0u || power_sums[max(count, 1u) - 1u] <= 0.0;
+fn propose(stratum: u32, bits: u32, receiver: Receiver) -> Proposal {
+    if tree.count == 0u {
+        return Proposal();
+    }
+    let leaf = min(u32(number_in(stratum, bits) * f32(tree.count)), tree.count - 1u);
+    return Proposal(tree.nodes[tree.leaves + leaf].light, 1.0 / f32(tree.count));
 }
 #else
-fn propose(count: u32, stratum: u32, bits: u32, receiver: Receiver) -> Proposal {
+fn propose(stratum: u32, bits: u32, receiver: Receiver) -> Proposal {
+    let count = light_count();
+    if count == 0u {
+        return Proposal();
+    }
     return Proposal(min(u32(number_in(stratum, bits) * f32(count)), count - 1u), 1.0 / f32(count));
 }
+#endif
 
-fn is_dark(count: u32) -> bool {
-    return count == 0u;
+/// A pixel that chooses lights.
+struct Chooser {
+    place: Place,
+    receiver: Receiver,
+    /// Where its candidates are in their strata, and its choices in their parts of the sum of weights, in units of 2^-32.
+    numbers: vec2<u32>,
 }
-#endif
 
-/// Chooses a light for a reservoir. The dispatches before leave the choice so far in the reservoir, with the sum in place of the
-/// weight. [threads: view.width * view.height * settings.per_pixel, items: settings.candidates, iterations: 1 + visibility.iterations]
-@compute @workgroup_size(64)
-fn resample(row: Row) {
-    let index = index_in(row, 64u);
-    let pixel = pixel_of_reservoir(index, settings.per_pixel, settings.view_size.x);
-    if pixel.y >= settings.view_size.y {
-        return;
+fn chooser(index: u32) -> Chooser {
+    let width = settings.view_size.x;
+    let place = place_at(vec2(index % width, index / width), settings.view_size);
+    return Chooser(
+        place,
+        Receiver(place.at, place.normal),
+        sobol2_bits_of(settings.sample, hash2(settings.seed, index)),
+    );
+}
+
+/// A candidate of a pixel.
+struct Candidate {
+    light: VirtualLight,
+    index: u32,
+    guess: f32,
+    /// Its target.
+    value: f32,
+    /// Its target over the number of candidates and the probability of proposing it.
+    weight: f32,
+}
+
+fn candidate(pixel: Chooser, i: u32) -> Candidate {
+    var found: Candidate;
+    let proposal = propose(i, pixel.numbers.x, pixel.receiver);
+    if proposal.probability <= 0.0 {
+        return found;
     }
-    let place = place_at(pixel, settings.view_size);
-    let count = min(lights.count, arrayLength(&lights.lights));
-    let candidates = f32(settings.candidates);
-    if !place.seen || is_dark(count) {
-        reservoirs.reservoirs[index] = no_light(candidates);
-        return;
-    }
-    let receiver = Receiver(place.at, place.normal);
-    let by = Target(settings.bound, settings.least);
-#if TREE
-    // So the tree can choose any light, as the target asks.
-    light_floor = vec2(settings.least * term_at_extent(), settings.least);
-#endif
-    var choice = Resampling(no_light(0.0), 0.0, 0.0);
-    if settings.begin > 0u {
-        let before = reservoirs.reservoirs[index];
-        choice = Resampling(before, contribution(by, before.light, receiver) * before.guess, before.weight);
-    }
-    let key = hash2(settings.seed, index);
-    let end = min(settings.end, settings.candidates);
-    for (var i = settings.begin; i < end; i++) {
-        let proposal = propose(count, i, hash2(key, 2u * i), receiver);
-        if proposal.probability <= 0.0 {
-            continue;
-        }
-        let light = lights.lights[proposal.index];
-        var guess = 1.0;
+    found.light = lights.lights[proposal.index];
+    found.index = proposal.index;
+    found.guess = 1.0;
 #if VISIBILITY
-        guess = mix(settings.doubt, 1.0, visibility(proposal.index, light, place.at, place.plane));
+    found.guess = mix(settings.doubt, 1.0, visibility(proposal.index, found.light, pixel.place.at, pixel.place.plane));
 #endif
-        let value = contribution(by, light, receiver) * guess;
-        let weight = value / (proposal.probability * candidates);
-        offer(&choice, Reservoir(light, 0.0, 0.0, guess, proposal.index), value, weight, unit_float(hash2(key, 2u * i + 1u)));
-    }
-    if settings.last == 0u {
-        choice.reservoir.weight = choice.sum;
-        reservoirs.reservoirs[index] = choice.reservoir;
+    found.value = contribution(Target(settings.bound, settings.least), found.light, pixel.receiver) * found.guess;
+    found.weight = weight_of(found.value / (proposal.probability * f32(settings.candidates)));
+    return found;
+}
+
+/// Sums the weights of the candidates of a pixel.
+/// [threads: view.width * view.height, items: (settings.candidates + BLOCK - 1) / BLOCK,
+/// iterations: BLOCK * (1 + visibility.iterations)]
+@compute @workgroup_size(64)
+fn weigh(row: Row) {
+    let index = index_in(row, 64u);
+    let pixels = settings.view_size.x * settings.view_size.y;
+    if index >= pixels {
         return;
     }
-    reservoirs.reservoirs[index] = chosen(choice, candidates);
+    let pixel = chooser(index);
+    var sum = 0.0;
+    if settings.begin > 0u {
+        sum = sums[(settings.begin - 1u) * pixels + index];
+    }
+    for (var block = settings.begin; block < settings.end && block * BLOCK < settings.candidates; block++) {
+        let end = min((block + 1u) * BLOCK, settings.candidates);
+        for (var i = block * BLOCK; i < end && pixel.place.seen; i++) {
+            sum = weight_of(sum + candidate(pixel, i).weight);
+        }
+        sums[block * pixels + index] = sum;
+    }
+}
+
+/// Chooses a light for each reservoir of a pixel.
+/// [threads: view.width * view.height, items: settings.per_pixel, iterations: BLOCK * (3 + visibility.iterations)]
+@compute @workgroup_size(64)
+fn choose_lights(row: Row) {
+    let index = index_in(row, 64u);
+    let pixels = settings.view_size.x * settings.view_size.y;
+    if index >= pixels {
+        return;
+    }
+    let pixel = chooser(index);
+    let last = (settings.candidates - 1u) / BLOCK;
+    let sum = sums[last * pixels + index];
+    for (var slot = settings.begin; slot < min(settings.end, settings.per_pixel); slot++) {
+        let part = (f32(slot) + unit_float(pixel.numbers.y)) / f32(settings.per_pixel);
+        // Below the sum, also where it is rounded.
+        let sought = min(part, BELOW_ONE) * sum;
+        var block = 0u;
+        var high = last;
+        while block < high {
+            let middle = (block + high) / 2u;
+            if sums[middle * pixels + index] > sought {
+                high = middle;
+            } else {
+                block = middle + 1u;
+            }
+        }
+        var before = 0.0;
+        if block > 0u {
+            before = sums[(block - 1u) * pixels + index];
+        }
+        var chosen = no_light(f32(settings.candidates));
+        let end = min((block + 1u) * BLOCK, settings.candidates);
+        for (var i = block * BLOCK; i < end && sum > 0.0 && before <= sought; i++) {
+            let found = candidate(pixel, i);
+            before = weight_of(before + found.weight);
+            if found.weight > 0.0 {
+                let weight = weight_of(sum / found.value);
+                chosen = Reservoir(found.light, weight, chosen.count, found.guess, found.index);
+            }
+        }
+        reservoirs.reservoirs[index * settings.per_pixel + slot] = chosen;
+    }
 }

@@ -8,7 +8,8 @@ pass::from_wgsl!(outputs, record);
 
 /// Whether candidates are chosen by sums of the lights' flux.
 fn is_by_power(settings: &Settings, has_tree: bool) -> Result<bool, PassTypeError> {
-    Ok(!has_tree && settings.text("proposal")? == "power")
+    let descends = has_tree && settings.bool("descend")?;
+    Ok(!descends && settings.text("proposal")? == "power")
 }
 
 fn outputs(cx: &Outputs<'_>) -> Result<Vec<OutputDesc>, PassTypeError> {

@@ -6,6 +6,7 @@ use pass_test::Harness;
 use pass_test::reservoirs::{SIDE, TARGET, assert_unbiased, counts, flat, lights, shares};
 use pass_test::statistics::assert_follows;
 use propose_lights::PASS;
+use std::collections::BTreeSet;
 
 fn harness<'a>(lights: &[VirtualLight], candidates: u32) -> Harness<'a> {
     let (bound, least, doubt) = TARGET;
@@ -26,7 +27,11 @@ fn every_variant_of_the_shaders_is_valid() {
 /// The pass with a way in which it chooses candidates.
 fn proposing<'a>(by: &str, lights: &[VirtualLight], candidates: u32) -> Harness<'a> {
     let harness = harness(lights, candidates);
-    if by == "tree" { harness.light_tree(lights) } else { harness.set("proposal", by) }
+    match by {
+        "tree" => harness.light_tree(lights).set("descend", true),
+        "leaves" => harness.light_tree(lights).set("proposal", "uniform"),
+        by => harness.set("proposal", by),
+    }
 }
 
 /// Also that of a light below the plane, which another pixel might need.
@@ -42,7 +47,7 @@ fn weights_are_unbiased_for_any_number_of_candidates() {
         ..lights[0]
     });
     for (by, candidates) in
-        [("power", 1), ("power", 3), ("uniform", 2), ("uniform", 16), ("tree", 1), ("tree", 3), ("tree", 16)]
+        [("power", 1), ("power", 3), ("uniform", 16), ("leaves", 5), ("tree", 1), ("tree", 3), ("tree", 16)]
     {
         let Some(found) = choose(proposing(by, &lights, candidates)) else { return };
         assert!(found.iter().all(|reservoir| reservoir.count == candidates as f32));
@@ -55,7 +60,7 @@ fn many_candidates_follow_the_target() {
     let lights = lights();
     let shares = shares(&lights, [0.0; 3], [0.0, 1.0, 0.0]);
     let expected: Vec<f64> = shares.iter().map(|share| share * f64::from(SIDE * SIDE)).collect();
-    for by in ["power", "tree"] {
+    for by in ["power", "leaves", "tree"] {
         let Some(found) = choose(proposing(by, &lights, 512)) else { return };
         assert_follows(&counts(&found, lights.len()), &expected);
     }
@@ -78,13 +83,38 @@ fn a_guess_decides_how_often_a_light_is_chosen_and_not_its_weight() {
     assert!(wrong.is_none(), "{wrong:?}");
 }
 
+/// Lights that give all pixels the same.
+fn alike(count: u32) -> Vec<VirtualLight> {
+    (0..count).map(|texel| VirtualLight { texel, ..lights()[0] }).collect()
+}
+
+/// The number of lights among those that were chosen.
+fn different<'a>(chosen: impl Iterator<Item = &'a Reservoir>) -> usize {
+    chosen.map(|reservoir| reservoir.light.texel).collect::<BTreeSet<_>>().len()
+}
+
+/// Reservoirs of a pixel choose in parts of the sum: of lights that give the same, each once. The sum over them stays without bias.
 #[test]
-fn reservoirs_of_a_pixel_differ() {
+fn reservoirs_of_a_pixel_share_the_lights() {
+    let Some(found) = choose(harness(&alike(6), 12).set("per_pixel", 6)) else { return };
+    assert!(found.chunks(6).all(|pixel| different(pixel.iter()) == 6));
     let lights = lights();
-    let Some(found) = choose(harness(&lights, 2).set("per_pixel", 3)) else { return };
-    assert_eq!(found.len() as u32, 3 * SIDE * SIDE);
+    let Some(found) = choose(harness(&lights, 3).set("per_pixel", 2)) else { return };
+    assert_eq!(found.len() as u32, 2 * SIDE * SIDE);
     assert_unbiased(&found, lights.len() as u32);
-    assert!(found.chunks(3).any(|pixel| pixel[0].light.texel != pixel[1].light.texel));
+}
+
+/// The samples of a picture choose at numbers of one sequence, whose first 2^k elements lie one in each of 2^k parts; pixels choose
+/// at different ones.
+#[test]
+fn samples_of_a_picture_share_the_lights() {
+    let lights = alike(16);
+    let sample = |number| choose(proposing("leaves", &lights, 16).sample(number));
+    let Some(samples) = (0..16).map(sample).collect::<Option<Vec<_>>>() else { return };
+    for pixel in 0..samples[0].len() {
+        assert_eq!(different(samples.iter().map(|sample| &sample[pixel])), 16, "pixel {pixel}");
+    }
+    assert!(different(samples[0].iter()) > 8);
 }
 
 #[test]
@@ -92,7 +122,7 @@ fn without_light_nothing_is_chosen() {
     let mut dark = lights();
     dark.iter_mut().for_each(|light| light.flux = [0.0; 3]);
     let one = &lights()[..1];
-    for by in ["power", "uniform", "tree"] {
+    for by in ["power", "uniform", "leaves", "tree"] {
         for (lights, weight) in [(&dark[..], 0.0), (&[], 0.0), (one, 1.0)] {
             let Some(found) = choose(proposing(by, lights, 4)) else { return };
             let off = found.iter().find(|r| (r.weight - weight).abs() > 1e-5 || r.count != 4.0);
