@@ -373,7 +373,7 @@ fn the_scene_decides_which_maps_are_made() {
         let Some(mut renderer) = renderer("ism-by-scene", scene, (32, 24), &values) else { return };
         let plan = Arc::clone(renderer.plan().unwrap());
         let runs = |pass: &str| plan.pass(pass).is_some();
-        assert_eq!((runs("exact"), runs("shadows/splat")), (exact, !exact), "{scene}");
+        assert_eq!((runs("shadows/exact"), runs("shadows/splat")), (exact, !exact), "{scene}");
         let picture = shown(&mut renderer, "image");
         if !exact {
             let mut imperfect = crate::adapter::renderer("ism-invtm", scene, (32, 24), &values).unwrap();
@@ -383,8 +383,8 @@ fn the_scene_decides_which_maps_are_made() {
         // As many triangles as the scene has, and one less.
         let triangles = renderer.scene().triangles() as u32;
         for (most, exact) in [(triangles, true), (triangles - 1, false)] {
-            renderer.set_value("most_triangles", Value::U32(most)).unwrap();
-            assert_eq!(renderer.plan().unwrap().pass("exact").is_some(), exact, "{scene}, {most}");
+            renderer.set_value("exact_up_to", Value::U32(most)).unwrap();
+            assert_eq!(renderer.plan().unwrap().pass("shadows/exact").is_some(), exact, "{scene}, {most}");
         }
     }
 }
