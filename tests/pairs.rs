@@ -373,7 +373,7 @@ fn the_scene_decides_which_maps_are_made() {
         let Some(mut renderer) = renderer("ism-by-scene", scene, (32, 24), &values) else { return };
         let plan = Arc::clone(renderer.plan().unwrap());
         let runs = |pass: &str| plan.pass(pass).is_some();
-        assert_eq!((runs("shadows/exact"), runs("shadows/splat")), (exact, !exact), "{scene}");
+        assert_eq!((runs("shadows/exact"), runs("shadows/imperfect/splat")), (exact, !exact), "{scene}");
         let picture = shown(&mut renderer, "image");
         if !exact {
             let mut imperfect = crate::adapter::renderer("ism-invtm", scene, (32, 24), &values).unwrap();
