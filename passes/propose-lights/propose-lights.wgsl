@@ -59,7 +59,7 @@ struct Settings {
     /// Visibility in the target of a light that seems to be hidden. More: rays are spent on lights that are hidden. Less: brighter dots
     /// where the guess was wrong. With 0, light is lost there. [default: 0.3, min: 0.0, max: 1.0]
     doubt: f32,
-    /// The candidates that this dispatch takes: `begin` to `end`.
+    /// What this dispatch takes, from `begin` to `end`: blocks of candidates, or reservoirs.
     begin: u32,
     end: u32,
     seed: u32,
