@@ -285,6 +285,24 @@ fn run_in_miniature(wanted: fn(&str) -> bool) {
         }
         let json = study(&folder, &arguments).success().json();
         assert!(json["cells"].as_u64().unwrap() > 0 && json["missing"] == 0, "{json}");
+        assert_samples_of_the_reference(&folder, &name);
+    }
+}
+
+/// A reference that sees the centre of a pixel is that of pipelines which see no more of it.
+fn assert_samples_of_the_reference(folder: &Folder, name: &str) {
+    let study = fs::read_to_string(root().join(format!("studies/{name}.ron"))).unwrap();
+    if !study.contains("\"filter\": \"centre\"") {
+        return;
+    }
+    for cell in fs::read_dir(folder.at(name).join("cells")).unwrap() {
+        let cell = fs::read_to_string(cell.unwrap().path()).unwrap();
+        let cell: serde_json::Value = serde_json::from_str(&cell).unwrap();
+        let pipeline = cell["provenance"].to_string();
+        let declared = pipeline.split_once("supersampling").map(|(_, rest)| rest);
+        let parameter = declared.map(|rest| rest.trim_start_matches(['\\', '"', ':', ' ']));
+        let samples = parameter.and_then(|rest| rest.strip_prefix("U32(default: ")?.chars().next());
+        assert!(samples.is_none_or(|samples| samples == '1'), "{name}, {}: {samples:?}", cell["pipeline"]);
     }
 }
 
