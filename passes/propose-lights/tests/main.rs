@@ -46,9 +46,16 @@ fn weights_are_unbiased_for_any_number_of_candidates() {
         flux: [20.0; 3],
         ..lights[0]
     });
-    for (by, candidates) in
-        [("power", 1), ("power", 3), ("uniform", 16), ("leaves", 5), ("tree", 1), ("tree", 3), ("tree", 16)]
-    {
+    for (by, candidates) in [
+        ("power", 1),
+        ("power", 3),
+        ("uniform", 2),
+        ("uniform", 16),
+        ("leaves", 5),
+        ("tree", 1),
+        ("tree", 3),
+        ("tree", 16),
+    ] {
         let Some(found) = choose(proposing(by, &lights, candidates)) else { return };
         assert!(found.iter().all(|reservoir| reservoir.count == candidates as f32));
         assert_unbiased(&found, lights.len() as u32);
@@ -99,9 +106,10 @@ fn reservoirs_of_a_pixel_share_the_lights() {
     let Some(found) = choose(harness(&alike(6), 12).set("per_pixel", 6)) else { return };
     assert!(found.chunks(6).all(|pixel| different(pixel.iter()) == 6));
     let lights = lights();
-    let Some(found) = choose(harness(&lights, 3).set("per_pixel", 2)) else { return };
-    assert_eq!(found.len() as u32, 2 * SIDE * SIDE);
+    let Some(found) = choose(harness(&lights, 2).set("per_pixel", 3)) else { return };
+    assert_eq!(found.len() as u32, 3 * SIDE * SIDE);
     assert_unbiased(&found, lights.len() as u32);
+    assert!(found.chunks(3).any(|pixel| pixel[0].light.texel != pixel[1].light.texel));
 }
 
 /// The samples of a picture choose at numbers of one sequence, whose first 2^k elements lie one in each of 2^k parts; pixels choose
