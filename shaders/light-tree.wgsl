@@ -60,9 +60,6 @@ fn light_importance(node: LightNode, at: vec3<f32>, normal: vec3<f32>) -> f32 {
     return min(importance, 1e37);
 }
 
-/// The greatest number below 1.
-const ALMOST_ONE: f32 = 0.99999994;
-
 /// Chooses one of the lights below a node, by 32 random bits. Numbers that are stratified give choices that are.
 fn choose_light_below(start: u32, at: vec3<f32>, normal: vec3<f32>, number: u32) -> LightChoice {
     let finest = 1.0 / 16777216.0;

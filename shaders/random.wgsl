@@ -18,6 +18,9 @@ fn unit_float(bits: u32) -> f32 {
     return f32(bits >> 8u) * (1.0 / 16777216.0);
 }
 
+/// The greatest number below 1.
+const ALMOST_ONE: f32 = 0.99999994;
+
 /// Upper 32 bits of the product: of random bits and a number, a random number below it.
 fn multiply_high(a: u32, b: u32) -> u32 {
     let low = (a & 0xffffu) * (b & 0xffffu);
@@ -38,7 +41,7 @@ fn radical_inverse(base: u32, index: u32) -> f32 {
         scale *= base;
         rest /= base;
     }
-    return min(f32(reversed) / f32(scale), 0.99999994);
+    return min(f32(reversed) / f32(scale), ALMOST_ONE);
 }
 
 /// The element of a sequence that item i of `count` takes in a sample of a picture, so that the items of all samples are one sequence:
@@ -56,5 +59,5 @@ fn halton3(index: u32, seed: u32) -> vec3<f32> {
         return plain;
     }
     let shift = vec3(unit_float(hash2(seed, 0u)), unit_float(hash2(seed, 1u)), unit_float(hash2(seed, 2u)));
-    return min(fract(plain + shift), vec3(0.99999994));
+    return min(fract(plain + shift), vec3(ALMOST_ONE));
 }

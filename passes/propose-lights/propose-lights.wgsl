@@ -27,6 +27,7 @@
 #option VISIBILITY false // whether something guesses which lights are seen
 
 #import "camera.wgsl"
+#import "cumulative-choice.wgsl"
 #import "dispatch.wgsl"
 #import "random.wgsl"
 #import "resampling.wgsl"
@@ -34,9 +35,7 @@
 #import "view-place.wgsl"
 #if TREE && DESCEND
 #import "light-tree.wgsl"
-#elif PROPOSAL == power
-#import "cumulative-choice.wgsl"
-#elif TREE
+#elif TREE && PROPOSAL == uniform
 #import "light-nodes.wgsl"
 #endif
 #if VISIBILITY
@@ -76,6 +75,32 @@ var<storage, read_write> sums: array<f32>;
 /// Candidates whose sum is kept, so that only those of the blocks that are chosen from are evaluated again.
 const BLOCK: u32 = 8u;
 
+fn block_count() -> u32 {
+    return (settings.candidates + BLOCK - 1u) / BLOCK;
+}
+
+#if PROPOSAL == power && !(TREE && DESCEND)
+/// Sums of the luminance of the lights' flux.
+var<storage, read> power_sums: array<f32>;
+#endif
+
+/// The index of the distribution of lights by their flux.
+const OF_FLUX: u32 = 0xffffffffu;
+
+struct Distribution {
+    /// That of the blocks of a pixel, whose index this is; or OF_FLUX.
+    index: u32,
+}
+
+fn cumulated(which: Distribution, i: u32) -> f32 {
+#if PROPOSAL == power && !(TREE && DESCEND)
+    if which.index == OF_FLUX {
+        return power_sums[i];
+    }
+#endif
+    return sums[i * settings.view_size.x * settings.view_size.y + which.index];
+}
+
 /// A light, and the probability of proposing it; 0 where there is none.
 struct Proposal {
     index: u32,
@@ -86,12 +111,9 @@ fn light_count() -> u32 {
     return min(lights.count, arrayLength(&lights.lights));
 }
 
-/// The greatest number below 1.
-const BELOW_ONE: f32 = 0.99999994;
-
 /// A number in a stratum of [0, 1), below 1 also where it is rounded.
 fn number_in(stratum: u32, bits: u32) -> f32 {
-    return min((f32(stratum) + unit_float(bits)) / f32(settings.candidates), BELOW_ONE);
+    return min((f32(stratum) + unit_float(bits)) / f32(settings.candidates), ALMOST_ONE);
 }
 
 #if TREE && DESCEND
@@ -103,23 +125,12 @@ fn propose(stratum: u32, bits: u32, receiver: Receiver) -> Proposal {
     return Proposal(choice.index, choice.probability);
 }
 #elif PROPOSAL == power
-/// Sums of the luminance of the lights' flux.
-var<storage, read> power_sums: array<f32>;
-
-struct Distribution {
-    pad: u32,
-}
-
-fn cumulated(which: Distribution, i: u32) -> f32 {
-    return power_sums[i];
-}
-
 fn propose(stratum: u32, bits: u32, receiver: Receiver) -> Proposal {
     let count = light_count();
     if count == 0u || power_sums[max(count, 1u) - 1u] <= 0.0 {
         return Proposal();
     }
-    let choice = choose(Distribution(0u), count, number_in(stratum, bits));
+    let choice = choose(Distribution(OF_FLUX), count, number_in(stratum, bits));
     return Proposal(choice.index, choice.probability);
 }
 #elif TREE
@@ -201,9 +212,9 @@ fn weigh(row: Row) {
     let pixel = chooser(index);
     var sum = 0.0;
     if settings.begin > 0u {
-        sum = sums[(settings.begin - 1u) * pixels + index];
+        sum = cumulated(Distribution(index), settings.begin - 1u);
     }
-    for (var block = settings.begin; block < settings.end && block * BLOCK < settings.candidates; block++) {
+    for (var block = settings.begin; block < min(settings.end, block_count()); block++) {
         let end = min((block + 1u) * BLOCK, settings.candidates);
         for (var i = block * BLOCK; i < end && pixel.place.seen; i++) {
             sum = weight_of(sum + candidate(pixel, i).weight);
@@ -212,45 +223,41 @@ fn weigh(row: Row) {
     }
 }
 
+/// The light at which the sum of the weights of a pixel's candidates passes this part of the whole.
+fn choose_at(pixel: Chooser, index: u32, part: f32, sum: f32) -> Reservoir {
+    let block = choose(Distribution(index), block_count(), part).index;
+    var before = 0.0;
+    if block > 0u {
+        before = cumulated(Distribution(index), block - 1u);
+    }
+    var chosen = no_light(f32(settings.candidates));
+    let end = min((block + 1u) * BLOCK, settings.candidates);
+    for (var i = block * BLOCK; i < end && before <= part * sum; i++) {
+        let found = candidate(pixel, i);
+        before = weight_of(before + found.weight);
+        if found.weight > 0.0 {
+            let weight = weight_of(sum / found.value);
+            chosen = Reservoir(found.light, weight, chosen.count, found.guess, found.index);
+        }
+    }
+    return chosen;
+}
+
 /// Chooses a light for each reservoir of a pixel.
 /// [threads: view.width * view.height, items: settings.per_pixel, iterations: BLOCK * (3 + visibility.iterations)]
 @compute @workgroup_size(64)
 fn choose_lights(row: Row) {
     let index = index_in(row, 64u);
-    let pixels = settings.view_size.x * settings.view_size.y;
-    if index >= pixels {
+    if index >= settings.view_size.x * settings.view_size.y {
         return;
     }
     let pixel = chooser(index);
-    let last = (settings.candidates - 1u) / BLOCK;
-    let sum = sums[last * pixels + index];
+    let sum = cumulated(Distribution(index), block_count() - 1u);
     for (var slot = settings.begin; slot < min(settings.end, settings.per_pixel); slot++) {
         let part = (f32(slot) + unit_float(pixel.numbers.y)) / f32(settings.per_pixel);
-        // Below the sum, also where it is rounded.
-        let sought = min(part, BELOW_ONE) * sum;
-        var block = 0u;
-        var high = last;
-        while block < high {
-            let middle = (block + high) / 2u;
-            if sums[middle * pixels + index] > sought {
-                high = middle;
-            } else {
-                block = middle + 1u;
-            }
-        }
-        var before = 0.0;
-        if block > 0u {
-            before = sums[(block - 1u) * pixels + index];
-        }
         var chosen = no_light(f32(settings.candidates));
-        let end = min((block + 1u) * BLOCK, settings.candidates);
-        for (var i = block * BLOCK; i < end && sum > 0.0 && before <= sought; i++) {
-            let found = candidate(pixel, i);
-            before = weight_of(before + found.weight);
-            if found.weight > 0.0 {
-                let weight = weight_of(sum / found.value);
-                chosen = Reservoir(found.light, weight, chosen.count, found.guess, found.index);
-            }
+        if sum > 0.0 {
+            chosen = choose_at(pixel, index, part, sum);
         }
         reservoirs.reservoirs[index * settings.per_pixel + slot] = chosen;
     }
